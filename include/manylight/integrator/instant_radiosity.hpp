@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Instant radiosity [Keller 1997] by brute force: every pair of a first-hit sensor and a virtual point light, weighted by
+// the classical clamp. The oracle of the cut-based methods; cost per pixel = eye paths x VPLs pairs.
+
+#include "manylight/integrator/many_light.hpp"
+
+namespace manylight {
+
+/// Renders `scene`; the light side comes from `prepare_lights` with the same config. Image in W/m^2/sr.
+template <class Scene, Camera C, Sampler Random, Executor Exec, class Progress = NoProgress>
+[[nodiscard]] ManyLightImage<typename Scene::Scalar> render_instant_radiosity(
+    const Scene& scene, const C& camera, const ReconstructionFilter<typename Scene::Scalar>& filter,
+    const ManyLightConfig& config, const LightSide<Scene>& lights, const Random& sampler, const Exec& executor,
+    const Progress& progress = {}) {
+  using W = StandardWeighting<typename Scene::Scalar>;
+  const W weighting(lights.weights);
+  const auto make_sum = [&] {
+    return BruteForceSum<Scene, W>(scene, weighting, lights.lights.vpls, config.max_edges);
+  };
+  return render_many_light(scene, camera, filter, config, weighting, make_sum, sampler, executor, progress);
+}
+
+}  // namespace manylight

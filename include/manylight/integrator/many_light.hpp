@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// What all many-light methods share: light subpaths first, then per pixel eye subpaths, whose sensors a PairSum connects
+// with the lights. A method is a choice of weighting and pair sum.
+
+#include <cstdint>
+#include <vector>
+
+#include "manylight/integrator/adaptation.hpp"
+#include "manylight/many_light/cut.hpp"
+#include "manylight/many_light/pair_sum.hpp"
+
+namespace manylight {
+
+/// Parameters of the many-light methods.
+struct ManyLightConfig {
+  std::size_t vpls = 1'000'000;            ///< virtual point lights wanted
+  unsigned eye_paths = 64;                 ///< eye samples per pixel, >= 1
+  unsigned max_edges = k_unlimited_edges;  ///< longest path, segments
+  double threshold = 0.02;                 ///< lightcuts: relative error bound of a cluster, [0, 1]
+  std::uint32_t max_cut = 20000;           ///< lightcuts: most clusters per pixel
+  double adaptation_luminance = 0;         ///< L_a, W/m^2/sr; 0: estimated by a pilot
+  double clamp_scale = 1.0 / 800;          ///< C_clamp = clamp_scale L_a / I_avg; infinity: no clamp
+  double c_d = 1, c_v = 1, c_m = 100;      ///< see WeightingConfig, sr^-1
+  EmitterHits emitter_hits = EmitterHits::all;
+
+  /// Throws ParameterError.
+  void validate() const {
+    require(vpls >= 1, "number of virtual point lights", vpls, "at least 1");
+    require(eye_paths >= 1 && eye_paths <= 65536, "eye paths per pixel", eye_paths, "1 to 65536");
+    require(max_edges >= 1, "maximum path length", max_edges, "at least 1 segment");
+    require(threshold >= 0 && threshold <= 1, "cut threshold", threshold, "[0, 1]");
+    require(max_cut >= 1, "maximum cut", max_cut, "at least 1");
+    require(adaptation_luminance >= 0 && std::isfinite(adaptation_luminance), "adaptation luminance",
+            adaptation_luminance, "finite, at least 0 (0: estimated)");
+    require(clamp_scale > 0, "clamp scale", clamp_scale, "above 0");
+    require(c_d > 0 && c_v > 0 && c_m > 0, "directionality limit", std::min(c_d, std::min(c_v, c_m)), "above 0");
+    require(c_v <= c_d, "limit C_V", c_v, "at most C_D");
+  }
+};
+
+/// The light side of a view: VPLs and the constants of its weights.
+template <class Scene>
+struct LightSide {
+  VplSet<Scene> lights;
+  double adaptation_luminance = 1;     ///< L_a, W/m^2/sr
+  bool is_adaptation_fallback = false; ///< nothing was lit: L_a is 1 by convention
+  WeightingConfig<typename Scene::Scalar> weights;
+  RayCounts rays;
+};
+
+/// Traces the VPLs and fixes C_clamp = L_a / (800 I_avg) [Walter 2012, Eq. 6].
+template <class Scene, Camera C, Sampler Random, Executor Exec>
+[[nodiscard]] LightSide<Scene> prepare_lights(const Scene& scene, const C& camera,
+                                              const ReconstructionFilter<typename Scene::Scalar>& filter,
+                                              const ManyLightConfig& config, const Random& sampler,
+                                              const Exec& executor) {
+  using S = typename Scene::Scalar;
+  config.validate();
+  LightSide<Scene> side;
+  side.lights = trace_vpls(scene, VplConfig{config.vpls, config.max_edges}, sampler, executor, side.rays);
+  side.adaptation_luminance = config.adaptation_luminance > 0
+                                  ? config.adaptation_luminance
+                                  : adaptation_luminance(scene, camera, filter, side.lights.vpls, config.max_edges,
+                                                         sampler, executor, side.rays);
+  if (!(side.adaptation_luminance > 0)) {
+    side.adaptation_luminance = 1;
+    side.is_adaptation_fallback = true;
+  }
+  const double mean = static_cast<double>(side.lights.mean_intensity);
+  const double clamp = mean > 0 ? config.clamp_scale * side.adaptation_luminance / mean : 1.0;
+  side.weights = {static_cast<S>(std::min(clamp, static_cast<double>(k_infinity<S>))), static_cast<S>(config.c_d),
+                  static_cast<S>(config.c_v), static_cast<S>(config.c_m), config.emitter_hits};
+  return side;
+}
+
+/// What an image cost, besides its light side.
+struct ManyLightStatistics {
+  PairStatistics pairs;              ///< summed over pixels; `cut_size` is their sum
+  RayCounts eye_rays;
+  std::uint64_t sensors = 0;         ///< VPSs
+  std::uint64_t capped_pixels = 0;
+  std::uint64_t invalid_samples = 0; ///< dropped: not finite or negative
+  std::vector<std::uint32_t> cut_sizes;  ///< per pixel, row by row
+};
+
+/// An image, W/m^2/sr, and what it cost.
+template <std::floating_point S>
+struct ManyLightImage {
+  Image<S> image;
+  ManyLightStatistics statistics;
+};
+
+namespace detail {
+
+/// Collects what one pixel's eye subpaths find.
+template <class Scene, class W>
+struct PixelCollector {
+  using S = typename Scene::Scalar;
+  std::vector<Sensor<Scene, W>> sensors;
+  Rgb<double> emitted{0};
+  std::uint64_t invalid = 0;
+
+  void emission(const Rgb<S>& radiance) {
+    if (is_valid_radiance(radiance)) {
+      emitted += Rgb<double>(radiance);
+    } else {
+      ++invalid;
+    }
+  }
+  void sensor(const Sensor<Scene, W>& vps) {
+    if (!is_valid_radiance(vps.vertex.strength)) {
+      ++invalid;
+    } else if (max_channel(vps.vertex.strength) > S(0)) {
+      sensors.push_back(vps);
+    }
+  }
+};
+
+/// Scratch memory and counts of one tile.
+template <class Scene, class W, class Sum>
+struct TileState {
+  PixelCollector<Scene, W> collector;
+  Sum sum;
+  ManyLightStatistics statistics;
+};
+
+}  // namespace detail
+
+/// Renders by eye subpaths of `weighting` and pair sums made by `make_sum()` (a PairSum per tile: callable with the
+/// pixel's sensors, its known radiance and its key).
+template <class Scene, Camera C, Weighting W, Sampler Random, Executor Exec, class MakeSum, class Progress = NoProgress>
+[[nodiscard]] ManyLightImage<typename Scene::Scalar> render_many_light(
+    const Scene& scene, const C& camera, const ReconstructionFilter<typename Scene::Scalar>& filter,
+    const ManyLightConfig& config, const W& weighting, const MakeSum& make_sum, const Random& sampler,
+    const Exec& executor, const Progress& progress = {}) {
+  using S = typename Scene::Scalar;
+  using State = detail::TileState<Scene, W, decltype(make_sum())>;
+  ManyLightImage<S> result;
+  result.image = Image<S>(camera.width(), camera.height());
+  result.statistics.cut_sizes.resize(result.image.pixels.size());
+  const auto make_state = [&] { return State{{}, make_sum(), {}}; };
+  const auto pixel = [&](State& state, std::uint32_t x, std::uint32_t y) {
+    auto& collector = state.collector;
+    collector.sensors.clear();
+    collector.emitted = Rgb<double>(0);
+    const std::uint64_t index = std::uint64_t{y} * camera.width() + x;
+    for (std::uint32_t i = 0; i < config.eye_paths; ++i) {
+      auto stream = sampler.stream(Stage::eye, index, i);
+      const Ray<S> ray = camera_ray(camera, filter, x, y, stream);
+      EyeSubpath<Scene, W, decltype(stream), std::decay_t<decltype(collector)>>(
+          scene, weighting, config.max_edges, stream, state.statistics.eye_rays, collector)
+          .trace(ray, S(1) / static_cast<S>(config.eye_paths));
+    }
+    state.statistics.sensors += collector.sensors.size();
+    const PairSumResult pairs = state.sum(collector.sensors, collector.emitted, index);
+    state.statistics.pairs += pairs.statistics;
+    state.statistics.capped_pixels += pairs.statistics.capped ? 1 : 0;
+    result.statistics.cut_sizes[index] = static_cast<std::uint32_t>(pairs.statistics.cut_size);
+    result.image.at(x, y) = Rgb<S>(collector.emitted + pairs.radiance);
+  };
+  for (State& tile : for_each_pixel(camera.width(), camera.height(), executor, make_state, pixel, progress)) {
+    result.statistics.pairs += tile.statistics.pairs;
+    result.statistics.eye_rays += tile.statistics.eye_rays;
+    result.statistics.sensors += tile.statistics.sensors;
+    result.statistics.capped_pixels += tile.statistics.capped_pixels;
+    result.statistics.invalid_samples += tile.collector.invalid;
+  }
+  result.statistics.invalid_samples += result.statistics.pairs.invalid;
+  return result;
+}
+
+}  // namespace manylight

@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Path tracing with next event estimation, the reference of all other methods [Kajiya 1986; Veach 1997, section 9.2].
+// Each bounce draws one light and one direction; both find the same light, so their contributions are weighted by the
+// balance heuristic, both densities taken per solid angle at the bounce:
+//
+//   light drawn      w = pL / (pL + pB)      pL = sample_direct's density (selection included)
+//   emitter hit      w = pB / (pB + pL)      pB = the material's density
+//
+// Roulette multiplies the throughput only; it needs no place in the weights, which sum to one for any split of the light.
+
+#include <cstdint>
+#include <vector>
+
+#include "manylight/integrator/film.hpp"
+#include "manylight/path/transfer.hpp"
+#include "manylight/path/walk.hpp"
+
+namespace manylight {
+
+struct PathConfig {
+  unsigned max_edges = k_unlimited_edges;  ///< longest path, segments: 1 sees emitters only, 2 adds direct light
+  unsigned roulette_edges = 4;             ///< roulette from this segment on
+
+  /// Throws ParameterError.
+  void validate() const { require(max_edges >= 1, "maximum path length", max_edges, "at least 1 segment"); }
+};
+
+/// What a set of samples cost.
+struct PathStatistics {
+  RayCounts rays;
+  std::uint64_t samples = 0;
+  std::uint64_t invalid = 0;  ///< samples that were not finite or negative: dropped and counted
+
+  PathStatistics& operator+=(const PathStatistics& other) noexcept {
+    rays += other.rays;
+    samples += other.samples;
+    invalid += other.invalid;
+    return *this;
+  }
+};
+
+template <class Scene>
+class PathIntegrator {
+ public:
+  using S = typename Scene::Scalar;
+
+  PathIntegrator(const Scene& scene, const PathConfig& config) : scene_(scene), config_(config) { config.validate(); }
+
+  /// Estimate of the radiance along `ray`, W/m^2/sr.
+  template <SampleStream Stream>
+  [[nodiscard]] Rgb<S> radiance(const Ray<S>& ray, Stream& stream, RayCounts& rays) const;
+
+ private:
+  /// Where the last direction was drawn, for the weight of emitters that it hits.
+  struct Bounce {
+    Vec3<S> position{0};
+    S pdf = S(0);
+    bool is_weighted = false;  ///< false: seen directly or through Dirac vertices, no light was drawn for it
+  };
+  using Hit = Interaction<S, typename Scene::Material>;
+
+  [[nodiscard]] static S share(S own, S other) noexcept { return own / (own + other); }
+  [[nodiscard]] Rgb<S> emission(const SurfacePoint<S>& point, const Vec3<S>& wo, const Bounce& bounce) const;
+  [[nodiscard]] Rgb<S> environment(const Vec3<S>& direction, const Bounce& bounce) const;
+  template <SampleStream Stream>
+  [[nodiscard]] Rgb<S> direct(const Hit& hit, const Vec3<S>& wo, Stream& stream, RayCounts& rays) const;
+
+  const Scene& scene_;
+  PathConfig config_;
+};
+
+template <class Scene>
+template <SampleStream Stream>
+auto PathIntegrator<Scene>::radiance(const Ray<S>& ray, Stream& stream, RayCounts& rays) const -> Rgb<S> {
+  Rgb<S> sum(0);
+  WalkState<S> walk{ray};
+  Bounce bounce;
+  for (unsigned edges = 1; edges <= config_.max_edges; ++edges) {
+    const std::optional<SurfacePoint<S>> point = scene_.intersect(walk.ray, stream, rays);
+    if (!point) return sum + walk.beta * environment(walk.ray.direction, bounce);
+    absorb<Scene>(walk, *point);
+    const Vec3<S> wo = -walk.ray.direction;
+    sum += walk.beta * emission(*point, wo, bounce);
+    if (edges == config_.max_edges) break;
+
+    const Hit hit = scene_.interaction(*point, wo);
+    if (!hit.material.is_delta()) sum += walk.beta * direct(hit, wo, stream, rays);
+    const std::optional<ScatterSample<S>> sample = sample_scatter<Scene>(hit, wo, Walk::eye, stream);
+    if (!sample) break;
+    if (!sample->is_delta) bounce = {point->position, sample->pdf, true};
+    else bounce.is_weighted = false;
+    continue_walk(scene_, walk, hit, *sample);
+    if (edges + 1 >= config_.roulette_edges) {
+      const S survival = std::min(S(0.95), max_channel(walk.beta));
+      if (!(stream.next() < survival)) break;
+      walk.beta /= survival;
+    }
+  }
+  return sum;
+}
+
+template <class Scene>
+auto PathIntegrator<Scene>::emission(const SurfacePoint<S>& point, const Vec3<S>& wo, const Bounce& bounce) const
+    -> Rgb<S> {
+  const Rgb<S> radiance = scene_.emitters().emitted(point, wo);
+  if (!bounce.is_weighted || is_black(radiance)) return radiance;
+  return radiance * share(bounce.pdf, scene_.emitters().pdf_direct(bounce.position, point, -wo));
+}
+
+template <class Scene>
+auto PathIntegrator<Scene>::environment(const Vec3<S>& direction, const Bounce& bounce) const -> Rgb<S> {
+  const Rgb<S> radiance = scene_.emitters().environment(direction);
+  if (!bounce.is_weighted || is_black(radiance)) return radiance;
+  return radiance * share(bounce.pdf, scene_.emitters().pdf_direct_environment(direction));
+}
+
+template <class Scene>
+template <SampleStream Stream>
+auto PathIntegrator<Scene>::direct(const Hit& hit, const Vec3<S>& wo, Stream& stream, RayCounts& rays) const -> Rgb<S> {
+  const S u_select = stream.next();
+  const auto light = scene_.emitters().sample_direct(hit.point.position, u_select, stream.next_2d());
+  if (!light || is_black(light->radiance)) return Rgb<S>(0);
+  const Vec3<S> wi_local = hit.frame.to_local(light->wi);
+  const Rgb<S> f = scatter(hit.material, hit.frame, hit.ng, light->wi, wo);
+  if (is_black(f)) return Rgb<S>(0);
+  S weight = S(1);
+  if (!light->is_delta) weight = share(light->pdf, hit.material.pdf(hit.frame.to_local(wo), wi_local, Walk::eye));
+  const Anchor<S> here{hit.point.position, hit.point.error, hit.ng};
+  const S visible = light->infinite ? scene_.visibility(here, light->wi, rays)
+                                    : scene_.visibility(here, Anchor<S>{light->position, light->error, light->ng}, rays);
+  return f * light->radiance * (std::abs(wi_local.z) * weight * visible / light->pdf);
+}
+
+/// Sums samples [first, first + count) of every pixel into `sums` (row by row, W/m^2/sr): call it with consecutive ranges
+/// to refine an image; the split into ranges does not change it.
+template <class Scene, Camera C, Sampler Random, Executor Exec, class Progress = NoProgress>
+PathStatistics accumulate_path_samples(const PathIntegrator<Scene>& integrator, const C& camera,
+                                       const ReconstructionFilter<typename Scene::Scalar>& filter,
+                                       const Random& sampler, std::uint32_t first, std::uint32_t count,
+                                       std::vector<Rgb<double>>& sums, const Exec& executor,
+                                       const Progress& progress = {}) {
+  using S = typename Scene::Scalar;
+  const auto pixel = [&](PathStatistics& statistics, std::uint32_t x, std::uint32_t y) {
+    const std::size_t index = std::size_t{y} * camera.width() + x;
+    for (std::uint32_t i = first; i < first + count; ++i) {
+      auto stream = sampler.stream(Stage::eye, index, i);
+      const Rgb<S> sample = integrator.radiance(camera_ray(camera, filter, x, y, stream), stream, statistics.rays);
+      ++statistics.samples;
+      if (is_valid_radiance(sample)) {
+        sums[index] += Rgb<double>(sample);
+      } else {
+        ++statistics.invalid;
+      }
+    }
+  };
+  PathStatistics total;
+  for (const PathStatistics& tile : for_each_pixel(camera.width(), camera.height(), executor,
+                                                   [] { return PathStatistics{}; }, pixel, progress)) {
+    total += tile;
+  }
+  return total;
+}
+
+}  // namespace manylight

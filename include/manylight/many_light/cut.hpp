@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Multidimensional lightcuts [Walter 2006, section 4]: one cut through the product graph of a pixel's gather tree and the
+// light trees. Each cluster pair is estimated by one representative pair and carries a bound of its error; the worst is
+// split until no bound exceeds a fraction of the pixel's total.
+//
+//   symbol        here                      symbol        here
+//   S_C, I_L      GatherNode, LightNode     UB(C, L)      upper_bound
+//   s*, l*        representative pair       eps, floor    CutConfig
+//
+//   UB = min( (w M)_ub  T_ub  D_ub , C_clamp )   with weights folded in as in the theory sheet, section 6.5.
+
+#include <algorithm>
+#include <cstdint>
+#include <vector>
+
+#include "manylight/bounds/box_pair.hpp"
+#include "manylight/core/error.hpp"
+#include "manylight/many_light/gather_tree.hpp"
+#include "manylight/many_light/light_tree.hpp"
+#include "manylight/many_light/pair_sum.hpp"
+
+namespace manylight {
+
+struct CutConfig {
+  double threshold = 0.02;        ///< eps: largest bound of a cluster's error relative to the pixel's luminance, [0, 1]
+  std::uint32_t max_cut = 20000;  ///< clusters at which refinement stops and the pixel counts as capped, >= 1
+  double floor = 0;               ///< luminance below which errors do not matter, W/m^2/sr
+
+  /// Throws ParameterError.
+  void validate() const {
+    require(threshold >= 0 && threshold <= 1, "cut threshold", threshold, "[0, 1]");
+    require(max_cut >= 1, "maximum cut", max_cut, "at least 1");
+    require(floor >= 0 && std::isfinite(floor), "cut floor", floor, "finite, at least 0");
+  }
+};
+
+template <class Scene, Weighting W>
+class CutSum {
+ public:
+  using S = typename Scene::Scalar;
+
+  CutSum(const Scene& scene, const W& weighting, const LightTree<Scene>& lights, unsigned max_edges,
+         const CutConfig& config)
+      : scene_(scene), weighting_(weighting), lights_(lights), max_edges_(max_edges), config_(config) {
+    config.validate();
+  }
+
+  /// Sum over all pairs of `sensors` and lights. `known`: radiance that the pixel has already, part of the total that
+  /// errors are measured against. `key`: seeds the representatives, a function of the pixel.
+  [[nodiscard]] PairSumResult operator()(const std::vector<Sensor<Scene, W>>& sensors, const Rgb<double>& known,
+                                         std::uint64_t key);
+
+ private:
+  /// A cluster pair of the cut.
+  struct Entry {
+    double error;         ///< bound of the error, luminance
+    Rgb<S> unit{0};       ///< estimate per unit of S_C and I_L luminance
+    std::uint32_t gather;
+    std::uint32_t light;
+    std::uint32_t sensor;  ///< s*
+    std::uint32_t vpl;     ///< l*
+
+    /// Heap order: worst error first, ties by ids, never by address.
+    friend bool operator<(const Entry& a, const Entry& b) noexcept {
+      if (a.error != b.error) return a.error < b.error;
+      if (a.gather != b.gather) return a.gather > b.gather;
+      return a.light > b.light;
+    }
+  };
+
+  [[nodiscard]] std::uint32_t slot(std::uint32_t sensor) const noexcept {
+    return static_cast<std::uint32_t>(mix_bits(key_ + sensor) >> 40);
+  }
+  [[nodiscard]] Rgb<double> estimate(const Entry& entry) const noexcept {
+    return Rgb<double>(entry.unit) * (static_cast<double>(gather_.node(entry.gather).luminance) *
+                                      static_cast<double>(lights_.node(entry.light).luminance));
+  }
+  [[nodiscard]] S upper_bound(const GatherNode<S>& gather, const LightNode<S>& light) const noexcept;
+  [[nodiscard]] bool splits_gather(const GatherNode<S>& gather, const LightNode<S>& light) const noexcept;
+  Entry make(std::uint32_t gather, std::uint32_t light, const Entry* parent);
+  void evaluate(Entry& entry);
+  void push(const Entry& entry);
+  void split(const Entry& entry);
+
+  const Scene& scene_;
+  const W& weighting_;
+  const LightTree<Scene>& lights_;
+  unsigned max_edges_;
+  CutConfig config_;
+
+  GatherTree<Scene, W> gather_;
+  std::vector<Entry> heap_;
+  std::vector<Entry> leaves_;  ///< pairs of single sensors and VPLs: exact
+  Rgb<double> total_{0};
+  std::uint64_t key_ = 0;
+  PairStatistics statistics_;
+};
+
+template <class Scene, Weighting W>
+PairSumResult CutSum<Scene, W>::operator()(const std::vector<Sensor<Scene, W>>& sensors, const Rgb<double>& known,
+                                           std::uint64_t key) {
+  statistics_ = {};
+  heap_.clear();
+  leaves_.clear();
+  if (sensors.empty()) return {};
+  key_ = mix_bits(key);
+  gather_.build(sensors, weighting_, key_);
+  total_ = known;
+  for (const std::uint32_t root : lights_.roots()) push(make(0, root, nullptr));
+  while (!heap_.empty()) {
+    const double allowed = config_.threshold * std::max(luminance(total_), config_.floor);
+    if (heap_.front().error <= allowed) break;
+    if (heap_.size() + leaves_.size() >= config_.max_cut) {
+      statistics_.capped = true;
+      break;
+    }
+    std::pop_heap(heap_.begin(), heap_.end());
+    const Entry worst = heap_.back();
+    heap_.pop_back();
+    split(worst);
+  }
+  // Summed afresh: the running total has lost small terms under large early estimates.
+  PairSumResult result;
+  for (const Entry& entry : leaves_) result.radiance += estimate(entry);
+  for (const Entry& entry : heap_) result.radiance += estimate(entry);
+  statistics_.cut_size = heap_.size() + leaves_.size();
+  result.statistics = statistics_;
+  return result;
+}
+
+/// Bound of w M T D over the pair, sr^-2 m^-2 [theory 6.2, 6.5].
+template <class Scene, Weighting W>
+typename Scene::Scalar CutSum<Scene, W>::upper_bound(const GatherNode<S>& gather,
+                                                     const LightNode<S>& light) const noexcept {
+  const Box<S> vectors = light.is_infinite ? light.box : difference(gather.box, light.box);
+  const DirectionCone<S> to_light = directions(vectors);
+  const S m = sup_sensor_pattern(gather, to_light);
+  if (!(m > S(0))) return S(0);
+  const S limit = weighting_.light_limit();
+  const S d = sup_light_pattern(light, {-to_light.axis, to_light.cos_half, to_light.sin_half}, limit);
+  if (!(d > S(0))) return S(0);
+  const S squared = light.is_infinite ? sqr(scene_.emitters().scene_radius()) : min_squared_length(vectors);
+  const S weighted_d = d < limit ? d * gather.remaining : limit;
+  const S bound = squared > S(0) ? m * weighted_d / squared : k_infinity<S>;
+  const S rounding = S(1) + S(64) * std::numeric_limits<S>::epsilon();
+  return light.is_exact ? bound * rounding : std::min(bound * rounding, weighting_.clamp());
+}
+
+/// Splits the side whose size, or spread of normals seen from the other side's distance, is larger [theory 5.4].
+template <class Scene, Weighting W>
+bool CutSum<Scene, W>::splits_gather(const GatherNode<S>& gather, const LightNode<S>& light) const noexcept {
+  if (gather.is_leaf) return false;
+  if (light.is_leaf) return true;
+  if (light.is_infinite) {
+    const S spread = std::min(S(2), S(2) * gather.normals.half_angle());
+    return spread > light.box.diagonal();
+  }
+  const S distance = glm::length(gather.box.center() - light.box.center());
+  const S gather_size = gather.box.diagonal() + distance * std::min(S(1), gather.normals.half_angle());
+  const S light_size = light.box.diagonal() + distance * std::min(S(1), light.normals.half_angle()) * S(0.5);
+  return gather_size > light_size;
+}
+
+/// The entry of a cluster pair; a child that holds its parent's representative pair takes over its value.
+template <class Scene, Weighting W>
+auto CutSum<Scene, W>::make(std::uint32_t gather, std::uint32_t light, const Entry* parent) -> Entry {
+  Entry entry{};
+  entry.gather = gather;
+  entry.light = light;
+  const GatherNode<S>& c = gather_.node(gather);
+  const LightNode<S>& l = lights_.node(light);
+  entry.sensor = c.representative;
+  entry.vpl = lights_.representative(light, slot(entry.sensor));
+  const S bound = upper_bound(c, l);
+  entry.error = static_cast<double>(luminance(c.strength * l.intensity)) * static_cast<double>(bound);
+  if (parent != nullptr && parent->sensor == entry.sensor && parent->vpl == entry.vpl) {
+    entry.unit = parent->unit;
+  } else if (bound > S(0)) {
+    evaluate(entry);
+  }
+  if (c.is_leaf && l.is_leaf) entry.error = 0;
+  return entry;
+}
+
+template <class Scene, Weighting W>
+void CutSum<Scene, W>::evaluate(Entry& entry) {
+  const Sensor<Scene, W>& sensor = gather_.sensor(entry.sensor);
+  const VertexOf<Scene>& light = lights_.vpl(entry.vpl);
+  ++statistics_.pairs;
+  const Transfer<S> transfer =
+      unoccluded_transfer<Scene>(weighting_, sensor, light, scene_.emitters().scene_radius(), max_edges_);
+  if (!transfer.is_valid) ++statistics_.invalid;
+  if (is_black(transfer.value)) return;
+  const S bound = upper_bound(gather_.node(entry.gather), lights_.node(entry.light));
+  if (max_channel(transfer.value) > bound * S(1.00001)) ++statistics_.bound_violations;  // rounding of the product
+  const S visible = visibility(scene_, sensor.vertex, light, statistics_.rays);
+  entry.unit = transfer.value * (sensor.vertex.strength / luminance(sensor.vertex.strength)) *
+               (light.strength / luminance(light.strength)) * visible;
+}
+
+template <class Scene, Weighting W>
+void CutSum<Scene, W>::push(const Entry& entry) {
+  total_ += estimate(entry);
+  if (!(entry.error > 0)) {
+    leaves_.push_back(entry);
+    return;
+  }
+  heap_.push_back(entry);
+  std::push_heap(heap_.begin(), heap_.end());
+}
+
+template <class Scene, Weighting W>
+void CutSum<Scene, W>::split(const Entry& entry) {
+  total_ -= estimate(entry);
+  const GatherNode<S>& gather = gather_.node(entry.gather);
+  const LightNode<S>& light = lights_.node(entry.light);
+  for (std::uint32_t i = 0; i < 2; ++i) {
+    push(splits_gather(gather, light) ? make(gather.child + i, entry.light, &entry)
+                                      : make(entry.gather, light.child + i, &entry));
+  }
+}
+
+}  // namespace manylight

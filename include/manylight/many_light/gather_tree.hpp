@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// The gather tree of multidimensional lightcuts [Walter 2006, section 4.2]: clusters of one pixel's sensors. A node bounds
+// the weighted pattern w M of its sensors over directions, without looking at its members.
+
+#include <cstdint>
+#include <vector>
+
+#include "manylight/bounds/direction_cone.hpp"
+#include "manylight/bounds/pattern_bound.hpp"
+#include "manylight/many_light/cluster_split.hpp"
+#include "manylight/path/eye_subpath.hpp"
+
+namespace manylight {
+
+/// A cluster of sensors. Leaves hold one.
+template <std::floating_point S>
+struct GatherNode {
+  Box<S> box;                ///< of positions, m
+  DirectionCone<S> normals;  ///< of the shading normals
+  DirectionCone<S> lobes;    ///< of the mirror directions of wo
+  Rgb<S> strength{0};        ///< sum of S
+  S luminance = S(0);        ///< of `strength`
+  S diffuse = S(0);          ///< M <= diffuse max(0, cos) / pi + gloss(angle to the nearest lobe), capped
+  GlossProfile<S> gloss{};
+  S cap = S(0);              ///< limit of the weighted pattern, sr^-1; infinite if nothing is known
+  S remaining = S(0);        ///< largest 1 - W of the sensors, see SensorLimit
+  std::uint32_t child = 0;   ///< index of the first child, the second follows; of the sensor in a leaf
+  std::uint32_t representative = 0;  ///< index of the sensor, chosen with probability S / S_node
+  bool is_leaf = true;
+  bool has_gloss = false;
+  bool has_both_sides = false;  ///< light from below the shading normal may be scattered
+};
+
+/// Upper bound of the weighted pattern over the cluster for directions `to_light`.
+template <std::floating_point S>
+[[nodiscard]] inline S sup_sensor_pattern(const GatherNode<S>& node, const DirectionCone<S>& to_light) noexcept {
+  const S cosine = max_cosine(node.normals, to_light);
+  if (cosine <= S(0) && !node.has_both_sides) return S(0);
+  S bound = node.diffuse * std::max(S(0), cosine) * k_inv_pi<S>;
+  if (node.has_gloss) bound += node.gloss.beyond(min_angle(node.lobes, to_light));
+  return std::min(bound, node.cap);
+}
+
+template <class Scene, class W>
+class GatherTree {
+ public:
+  using S = typename Scene::Scalar;
+
+  /// Rebuilds the tree over `sensors` (at least one), which must outlive it. `key` seeds the choice of representatives.
+  void build(const std::vector<Sensor<Scene, W>>& sensors, const W& weighting, std::uint64_t key);
+
+  [[nodiscard]] const GatherNode<S>& node(std::uint32_t i) const noexcept { return nodes_[i]; }
+  [[nodiscard]] const Sensor<Scene, W>& sensor(std::uint32_t i) const noexcept { return (*sensors_)[i]; }
+  [[nodiscard]] std::size_t size() const noexcept { return nodes_.size(); }
+
+ private:
+  [[nodiscard]] GatherNode<S> leaf(const W& weighting, std::uint32_t sensor) const;
+  [[nodiscard]] GatherNode<S> combine(std::uint32_t child, std::uint64_t key) const;
+
+  const std::vector<Sensor<Scene, W>>* sensors_ = nullptr;
+  std::vector<ClusterItem<S>> items_;
+  std::vector<GatherNode<S>> nodes_;
+};
+
+template <class Scene, class W>
+void GatherTree<Scene, W>::build(const std::vector<Sensor<Scene, W>>& sensors, const W& weighting, std::uint64_t key) {
+  sensors_ = &sensors;
+  items_.clear();
+  for (std::size_t i = 0; i < sensors.size(); ++i) {
+    const VertexOf<Scene>& v = sensors[i].vertex;
+    items_.push_back({v.position, v.shading.normal(), luminance(v.strength), static_cast<std::uint32_t>(i)});
+  }
+  const std::vector<ClusterNode> clusters = split_clusters(items_, SerialExecutor{});
+  nodes_.assign(clusters.size(), {});
+  for (std::size_t i = clusters.size(); i-- > 0;) {
+    nodes_[i] = clusters[i].is_leaf ? leaf(weighting, items_[clusters[i].first].id)
+                                    : combine(clusters[i].first, mix_bits(key + i));
+  }
+}
+
+template <class Scene, class W>
+GatherNode<typename Scene::Scalar> GatherTree<Scene, W>::leaf(const W& weighting, std::uint32_t sensor) const {
+  const VertexOf<Scene>& v = (*sensors_)[sensor].vertex;
+  const SensorLimit<S> limit = weighting.limit((*sensors_)[sensor].record);
+  GatherNode<S> node;
+  node.child = node.representative = sensor;
+  node.box.extend(v.position);
+  node.normals = DirectionCone<S>::of(v.shading.normal());
+  node.strength = v.strength;
+  node.luminance = luminance(v.strength);
+  const Frame<S> frame = v.shading.frame();
+  const Vec3<S> wo = frame.to_local(v.w);
+  const PatternBound<S> bound = pattern_bound(v.material, wo);
+  const S factor = limit.factor / v.alpha;
+  node.diffuse = bound.diffuse * factor;
+  node.has_gloss = bound.has_gloss;
+  node.has_both_sides = bound.has_both_sides;
+  if (bound.has_gloss) {
+    node.lobes = DirectionCone<S>::of(glm::normalize(frame.to_world(Vec3<S>(-wo.x, -wo.y, wo.z))));
+    for (std::size_t i = 0; i < node.gloss.values.size(); ++i) node.gloss.values[i] = bound.gloss.values[i] * factor;
+  } else {
+    node.lobes = node.normals;  // never asked; any cone that does not widen the parent's
+  }
+  node.cap = limit.cap < k_infinity<S> ? limit.cap * limit.factor : k_infinity<S>;
+  node.remaining = limit.remaining;
+  return node;
+}
+
+template <class Scene, class W>
+GatherNode<typename Scene::Scalar> GatherTree<Scene, W>::combine(std::uint32_t child, std::uint64_t key) const {
+  const GatherNode<S>& a = nodes_[child];
+  const GatherNode<S>& b = nodes_[child + 1];
+  GatherNode<S> node = a;
+  node.is_leaf = false;
+  node.child = child;
+  node.box.extend(b.box);
+  node.normals = unite(a.normals, b.normals);
+  node.strength += b.strength;
+  node.luminance += b.luminance;
+  node.diffuse = std::max(a.diffuse, b.diffuse);
+  node.has_gloss = a.has_gloss || b.has_gloss;
+  node.has_both_sides = a.has_both_sides || b.has_both_sides;
+  if (a.has_gloss && b.has_gloss) {
+    node.lobes = unite(a.lobes, b.lobes);
+  } else if (b.has_gloss) {
+    node.lobes = b.lobes;
+  }
+  node.gloss.extend(b.gloss);
+  node.cap = std::max(a.cap, b.cap);
+  node.remaining = std::max(a.remaining, b.remaining);
+  const S u = to_unit_interval<S>(static_cast<std::uint32_t>(key >> 32));
+  node.representative = u * node.luminance < a.luminance ? a.representative : b.representative;
+  return node;
+}
+
+}  // namespace manylight

@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// The light tree of [Walter 2005, section 3.1], built top-down: binary clusters of VPLs with the bounds and the sums that
+// refinement needs. Finite lights, lights at infinity (boxes of unit directions) and exact lights (no clamp in their
+// bound) have a tree each; all roots start in the same cut.
+
+#include <algorithm>
+#include <cstdint>
+#include <numeric>
+#include <vector>
+
+#include "manylight/bounds/direction_cone.hpp"
+#include "manylight/bounds/pattern_bound.hpp"
+#include "manylight/many_light/cluster_split.hpp"
+#include "manylight/many_light/vpl_set.hpp"
+
+namespace manylight {
+
+/// A cluster of VPLs. Leaves hold one VPL.
+template <std::floating_point S>
+struct LightNode {
+  Box<S> box;                  ///< of positions, m; of unit directions towards the light if `is_infinite`
+  DirectionCone<S> normals;    ///< of the geometric normals
+  Rgb<S> intensity{0};         ///< sum of I, W
+  S luminance = S(0);          ///< of `intensity`
+  S diffuse = S(0);            ///< D <= min(limit, diffuse max(0, cos) / pi + gloss), cos to the nearest normal
+  S gloss = S(0);              ///< sr^-1
+  std::uint32_t child = 0;     ///< index of the first child, the second follows; of the VPL in a leaf
+  bool is_leaf = true;
+  bool is_infinite = false;
+  bool is_exact = false;       ///< all VPLs are exact: the pair's bound has no clamp
+  bool is_two_sided = false;   ///< light leaves on both sides of the normals somewhere in the cluster
+};
+
+/// Bound of D of one VPL, for a leaf.
+template <std::floating_point S, Material M>
+void set_leaf_pattern(LightNode<S>& node, const Vertex<S, M>& v) noexcept {
+  switch (v.kind) {
+    case VertexKind::surface: {
+      node.normals = DirectionCone<S>::of(v.ng);
+      const Vec3<S> wi = v.shading.frame().to_local(v.w);
+      const PatternBound<S> bound = pattern_bound(v.material, wi);
+      node.diffuse = bound.diffuse / v.alpha;
+      // The profile knows |wi.ns| f; where |wo.ng| replaces it the ratio is unknown, so gloss counts as unbounded: the
+      // weighting's limit of D takes over.
+      node.gloss = bound.has_gloss ? k_infinity<S> : S(0);
+      node.is_two_sided = bound.has_both_sides;
+      break;
+    }
+    case VertexKind::area_emitter:
+    case VertexKind::two_sided_area_emitter:
+      node.normals = DirectionCone<S>::of(v.ng);
+      node.diffuse = S(1);
+      node.is_two_sided = v.kind == VertexKind::two_sided_area_emitter;
+      break;
+    case VertexKind::point_emitter: node.gloss = S(0.25) * k_inv_pi<S>; break;
+    case VertexKind::infinite_emitter: node.gloss = k_inv_pi<S>; break;
+  }
+}
+
+/// Upper bound of min(D, limit) over the cluster for directions `from_light` (unit, away from the VPLs).
+template <std::floating_point S>
+[[nodiscard]] inline S sup_light_pattern(const LightNode<S>& node, const DirectionCone<S>& from_light, S limit) noexcept {
+  S cosine = S(1);
+  if (node.diffuse > S(0) || node.gloss == k_infinity<S>) {
+    cosine = max_cosine(node.normals, from_light);
+    if (node.is_two_sided) cosine = std::max(cosine, max_cosine(node.normals, {-from_light.axis, from_light.cos_half,
+                                                                               from_light.sin_half}));
+    if (cosine <= S(0) && !(node.gloss < k_infinity<S> && node.gloss > S(0))) return S(0);
+  }
+  return std::min(limit, node.diffuse * std::max(S(0), cosine) * k_inv_pi<S> + node.gloss);
+}
+
+template <class Scene>
+class LightTree {
+ public:
+  using S = typename Scene::Scalar;
+
+  /// Builds the trees over `vpls`, which must outlive the tree. O(N log N), iterative; the result depends on the order
+  /// of the VPLs only.
+  template <Executor Exec>
+  LightTree(const std::vector<VertexOf<Scene>>& vpls, const Exec& executor);
+
+  [[nodiscard]] const std::vector<std::uint32_t>& roots() const noexcept { return roots_; }
+  [[nodiscard]] const LightNode<S>& node(std::uint32_t i) const noexcept { return nodes_[i]; }
+  [[nodiscard]] const VertexOf<Scene>& vpl(std::uint32_t i) const noexcept { return (*vpls_)[i]; }
+  [[nodiscard]] std::size_t vpl_count() const noexcept { return vpls_->size(); }
+  [[nodiscard]] std::size_t bytes() const noexcept {
+    return nodes_.size() * sizeof(LightNode<S>) + vpls_->size() * sizeof(VertexOf<Scene>);
+  }
+
+  /// The child of inner node `i` that shares its representative in `slot`: chosen with probability proportional to
+  /// luminance, so that P(VPL represents cluster) = I / I_cluster; a pure function, so nothing is stored.
+  [[nodiscard]] std::uint32_t inheriting_child(std::uint32_t i, std::uint32_t slot) const noexcept {
+    const LightNode<S>& parent = nodes_[i];
+    const auto bits = static_cast<std::uint32_t>(mix_bits((std::uint64_t{i} << 32) | slot) >> 32);
+    const S u = to_unit_interval<S>(bits);
+    return u * (nodes_[parent.child].luminance + nodes_[parent.child + 1].luminance) < nodes_[parent.child].luminance
+               ? parent.child
+               : parent.child + 1;
+  }
+  /// Index of the VPL that represents node `i` in `slot`. O(depth).
+  [[nodiscard]] std::uint32_t representative(std::uint32_t i, std::uint32_t slot) const noexcept {
+    while (!nodes_[i].is_leaf) i = inheriting_child(i, slot);
+    return nodes_[i].child;
+  }
+
+ private:
+  void set_leaf(LightNode<S>& node, std::uint32_t vpl) const noexcept;
+  void combine(LightNode<S>& parent) const noexcept;
+
+  const std::vector<VertexOf<Scene>>* vpls_;
+  std::vector<LightNode<S>> nodes_;
+  std::vector<std::uint32_t> roots_;
+};
+
+template <class Scene>
+template <Executor Exec>
+LightTree<Scene>::LightTree(const std::vector<VertexOf<Scene>>& vpls, const Exec& executor) : vpls_(&vpls) {
+  std::vector<ClusterItem<S>> groups[3];
+  for (std::size_t i = 0; i < vpls.size(); ++i) {
+    const VertexOf<Scene>& v = vpls[i];
+    const Vec3<S> axis = v.is_infinite() || v.kind == VertexKind::point_emitter ? Vec3<S>(0) : v.ng;
+    const int group = v.exact ? (v.is_infinite() ? 1 : 2) : (v.is_infinite() ? 1 : 0);
+    groups[group].push_back({v.position, axis, luminance(v.strength), static_cast<std::uint32_t>(i)});
+  }
+  for (std::vector<ClusterItem<S>>& group : groups) {
+    if (group.empty()) continue;
+    const std::vector<ClusterNode> clusters = split_clusters(group, executor);
+    const auto offset = static_cast<std::uint32_t>(nodes_.size());
+    roots_.push_back(offset);
+    nodes_.resize(nodes_.size() + clusters.size());
+    for (std::size_t i = clusters.size(); i-- > 0;) {  // children come after their parent
+      LightNode<S>& node = nodes_[offset + i];
+      if (clusters[i].is_leaf) {
+        set_leaf(node, group[clusters[i].first].id);
+      } else {
+        node.is_leaf = false;
+        node.child = offset + clusters[i].first;
+        combine(node);
+      }
+    }
+  }
+}
+
+template <class Scene>
+void LightTree<Scene>::set_leaf(LightNode<S>& node, std::uint32_t vpl) const noexcept {
+  const VertexOf<Scene>& v = (*vpls_)[vpl];
+  node.child = vpl;
+  node.box.extend(v.position);
+  node.intensity = v.strength;
+  node.luminance = luminance(v.strength);
+  node.is_infinite = v.is_infinite();
+  node.is_exact = v.exact;
+  set_leaf_pattern(node, v);
+}
+
+template <class Scene>
+void LightTree<Scene>::combine(LightNode<S>& parent) const noexcept {
+  const LightNode<S>& a = nodes_[parent.child];
+  const LightNode<S>& b = nodes_[parent.child + 1];
+  parent.box = a.box;
+  parent.box.extend(b.box);
+  parent.normals = unite(a.normals, b.normals);
+  parent.intensity = a.intensity + b.intensity;
+  parent.luminance = a.luminance + b.luminance;
+  parent.diffuse = std::max(a.diffuse, b.diffuse);
+  parent.gloss = std::max(a.gloss, b.gloss);
+  parent.is_infinite = a.is_infinite;
+  parent.is_exact = a.is_exact && b.is_exact;
+  parent.is_two_sided = a.is_two_sided || b.is_two_sided;
+}
+
+}  // namespace manylight

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <concepts>
+#include <cstdint>
+#include <vector>
+
+#include "manylight/path/transfer.hpp"
+
+namespace manylight {
+
+/// What summing a pixel's pairs cost.
+struct PairStatistics {
+  std::uint64_t pairs = 0;            ///< pairs evaluated (w M T D, before visibility)
+  std::uint64_t cut_size = 0;         ///< clusters in the final cut; all pairs for brute force
+  std::uint64_t invalid = 0;          ///< pairs that were not finite and were dropped
+  std::uint64_t bound_violations = 0; ///< pairs found above their bound; always 0 unless a bound is wrong
+  bool capped = false;                ///< the maximum cut ended the refinement
+  RayCounts rays;
+
+  PairStatistics& operator+=(const PairStatistics& other) noexcept {
+    pairs += other.pairs;
+    cut_size += other.cut_size;
+    invalid += other.invalid;
+    bound_violations += other.bound_violations;
+    capped = capped || other.capped;
+    rays += other.rays;
+    return *this;
+  }
+};
+
+/// A pixel's sum over all (sensor, light) pairs, double precision, W/m^2/sr.
+struct PairSumResult {
+  Rgb<double> radiance{0};
+  PairStatistics statistics;
+};
+
+/// Brute force: every pair, in order; shadow rays in batches. The oracle of every other pair sum.
+template <class Scene, Weighting W>
+class BruteForceSum {
+ public:
+  using S = typename Scene::Scalar;
+
+  BruteForceSum(const Scene& scene, const W& weighting, const std::vector<VertexOf<Scene>>& vpls, unsigned max_edges)
+      : scene_(scene), weighting_(weighting), vpls_(vpls), max_edges_(max_edges) {}
+
+  /// `key`: any number of the pixel's own; unused here.
+  [[nodiscard]] PairSumResult operator()(const std::vector<Sensor<Scene, W>>& sensors, const Rgb<double>& /*known*/,
+                                         std::uint64_t /*key*/) const {
+    PairSumResult result;
+    Batch batch;
+    for (const Sensor<Scene, W>& sensor : sensors) {
+      for (const VertexOf<Scene>& light : vpls_) {
+        ++result.statistics.pairs;
+        const Transfer<S> transfer =
+            unoccluded_transfer<Scene>(weighting_, sensor, light, scene_.emitters().scene_radius(), max_edges_);
+        if (!transfer.is_valid) ++result.statistics.invalid;
+        if (is_black(transfer.value)) continue;
+        const Rgb<S> value = sensor.vertex.strength * transfer.value * light.strength;
+        if constexpr (Scene::ShaderType::k_may_be_transparent) {
+          result.radiance += Rgb<double>(value * visibility(scene_, sensor.vertex, light, result.statistics.rays));
+        } else {
+          batch.rays.push_back(shadow_ray(sensor.vertex, light));
+          batch.values.push_back(value);
+          if (batch.rays.size() == k_batch) flush(batch, result);
+        }
+      }
+    }
+    flush(batch, result);
+    result.statistics.cut_size = result.statistics.pairs;
+    return result;
+  }
+
+ private:
+  static constexpr std::size_t k_batch = 256;
+  struct Batch {
+    std::vector<Ray<S>> rays;
+    std::vector<Rgb<S>> values;
+    std::vector<std::uint8_t> blocked;
+  };
+
+  [[nodiscard]] static Ray<S> shadow_ray(const VertexOf<Scene>& sensor, const VertexOf<Scene>& light) {
+    if (light.is_infinite()) {
+      return {offset_origin(sensor.position, sensor.error, sensor.ng, light.position), light.position};
+    }
+    return segment_ray(sensor.position, sensor.error, sensor.ng, light.position, light.error, light.ng);
+  }
+
+  void flush(Batch& batch, PairSumResult& result) const {
+    batch.blocked.assign(batch.rays.size(), 0);
+    scene_.geometry().any_hit_batch(batch.rays, batch.blocked);
+    for (std::size_t i = 0; i < batch.rays.size(); ++i) {
+      if (batch.blocked[i] == 0) result.radiance += Rgb<double>(batch.values[i]);
+    }
+    result.statistics.rays.shadow += batch.rays.size();
+    batch.rays.clear();
+    batch.values.clear();
+  }
+
+  const Scene& scene_;
+  const W& weighting_;
+  const std::vector<VertexOf<Scene>>& vpls_;
+  unsigned max_edges_;
+};
+
+}  // namespace manylight

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Recursive virtual point sensors, [Walter 2012, section 5.1, Eq. 20] with the repairs of the theory sheet, section 2.2:
+// beta_j = A_j c_j is the cosine-free throughput, S_j = beta_j alpha_j; both stay finite at grazing hits.
+
+#include <cmath>
+#include <utility>
+
+#include "manylight/bounds/pattern_bound.hpp"
+#include "manylight/path/connect.hpp"
+#include "manylight/path/walk.hpp"
+#include "manylight/path/weighting.hpp"
+
+namespace manylight {
+
+/// A VPS with what its weights need to know of the vertices before it.
+template <class Scene, class W>
+struct Sensor {
+  VertexOf<Scene> vertex;
+  typename W::Record record;
+};
+
+/// Bound of the sensor's own D over all light-side directions, sr^-1.
+template <std::floating_point S, Material M>
+[[nodiscard]] inline S sup_sensor_d(const Vertex<S, M>& v) noexcept {
+  const Vec3<S> wo = v.shading.frame().to_local(v.w);
+  if (!(std::abs(wo.z) > S(0))) return S(0);
+  return sup_eval_cos_wo(v.material, wo) * std::abs(glm::dot(v.w, v.ng) / wo.z) / v.alpha;
+}
+
+/// Traces one eye subpath from the camera ray and hands its parts to `visitor`:
+///  - `visitor.emission(radiance)`: an emitter that the path met itself, weighted, W/m^2/sr;
+///  - `visitor.sensor(Sensor)`: a VPS to be connected.
+/// `weight`: filter weight over number of eye samples of the pixel. Paths longer than `max_edges` contribute nothing.
+template <class Scene, Weighting W, SampleStream Stream, class Visitor>
+class EyeSubpath {
+ public:
+  using S = typename Scene::Scalar;
+
+  EyeSubpath(const Scene& scene, const W& weighting, unsigned max_edges, Stream& stream, RayCounts& rays,
+             Visitor& visitor)
+      : scene_(scene), weighting_(weighting), max_edges_(max_edges), stream_(stream), rays_(rays), visitor_(visitor) {}
+
+  void trace(const Ray<S>& camera_ray, S weight) {
+    WalkState<S> walk{camera_ray, Rgb<S>(weight)};
+    typename W::Record record = weighting_.start();
+    Step previous{};
+    for (unsigned edges = 1; edges <= max_edges_; ++edges) {
+      const std::optional<SurfacePoint<S>> point = scene_.intersect(walk.ray, stream_, rays_);
+      if (!point) {
+        const Rgb<S> radiance = scene_.emitters().environment(walk.ray.direction);
+        if (is_black(radiance)) return;
+        const S t = S(1) / sqr(scene_.emitters().scene_radius());
+        visitor_.emission(walk.beta * radiance * weighting_.hit_weight(arrive(record, previous, t), k_inv_pi<S>));
+        return;
+      }
+      absorb<Scene>(walk, *point);
+      const Vec3<S> to_previous = previous.position - point->position;
+      record = arrive(record, previous, S(1) / glm::dot(to_previous, to_previous));
+      if (!visit(walk, record, *point, edges, previous)) return;
+    }
+  }
+
+ private:
+  /// How the walk left the vertex before: what `extend` needs once the segment's length is known.
+  struct Step {
+    bool is_delta = false;
+    bool is_first = true;
+    S m{};
+    S d{};
+    Vec3<S> position{0};
+  };
+
+  [[nodiscard]] typename W::Record arrive(const typename W::Record& record, const Step& step, S t) const {
+    if (step.is_first) return record;
+    return step.is_delta ? weighting_.extend_delta(record) : weighting_.extend(record, step.m, step.d, t);
+  }
+
+  /// Handles vertex v_j; returns false when the subpath ends here.
+  bool visit(WalkState<S>& walk, const typename W::Record& record, const SurfacePoint<S>& point, unsigned edges,
+             Step& step) {
+    const Vec3<S> wo = -walk.ray.direction;
+    const Rgb<S> emitted = scene_.emitters().emitted(point, wo);
+    if (!is_black(emitted)) {
+      const S d_emitter = std::abs(glm::dot(wo, point.ng)) * k_inv_pi<S>;
+      visitor_.emission(walk.beta * emitted * weighting_.hit_weight(record, d_emitter));
+    }
+    if (edges == max_edges_) return false;
+    const auto hit = scene_.interaction(point, wo);
+    if (!survives(walk, hit)) return false;
+    const bool delta_only = hit.material.is_delta();
+    bool pruned = delta_only;
+    if (!delta_only) {
+      auto vertex = surface_vertex(hit, wo);
+      if (!(vertex.alpha > S(0))) return false;
+      vertex.strength = walk.beta * vertex.alpha;
+      vertex.edges = static_cast<std::uint16_t>(edges);
+      pruned = weighting_.prune(record, sup_sensor_d(vertex));
+      if (!pruned) visitor_.sensor(Sensor<Scene, W>{vertex, record});
+    }
+    return leave(walk, record, hit, wo, pruned, step);
+  }
+
+  /// Russian roulette on the strength relative to that of the path's first sensor (theory 2.2).
+  bool survives(WalkState<S>& walk, const Interaction<S, typename Scene::Material>& hit) {
+    const S strength = max_channel(walk.beta) * (hit.material.is_delta() ? S(1) : max_channel(hit.material.albedo()));
+    if (!(strength > S(0))) return hit.material.is_delta() && max_channel(walk.beta) > S(0);
+    if (!(reference_strength_ > S(0))) {
+      reference_strength_ = strength;
+      return true;
+    }
+    const S survival = std::min(S(1), strength / reference_strength_);
+    if (survival < S(1)) {
+      if (stream_.next() >= survival) return false;
+      walk.beta /= survival;
+    }
+    return true;
+  }
+
+  bool leave(WalkState<S>& walk, const typename W::Record& record, const Interaction<S, typename Scene::Material>& hit,
+             const Vec3<S>& wo, bool pruned, Step& step) {
+    const std::optional<ScatterSample<S>> sample = sample_scatter<Scene>(hit, wo, Walk::eye, stream_);
+    if (!sample) return false;
+    step.is_first = false;
+    step.position = hit.point.position;
+    step.is_delta = sample->is_delta;
+    if (sample->is_delta) {
+      if (weighting_.prune_delta(record)) return false;
+    } else {
+      if (pruned) return false;
+      const S f = max_channel(sample->f) / max_channel(hit.material.albedo());
+      step.m = f * std::abs(glm::dot(sample->direction, hit.frame.n));
+      step.d = f * std::abs(glm::dot(wo, hit.ng));
+      if (!(step.m > S(0)) || !(step.d > S(0))) return false;
+    }
+    continue_walk(scene_, walk, hit, *sample);
+    return true;
+  }
+
+  const Scene& scene_;
+  const W& weighting_;
+  unsigned max_edges_;
+  Stream& stream_;
+  RayCounts& rays_;
+  Visitor& visitor_;
+  S reference_strength_ = S(0);
+};
+
+}  // namespace manylight

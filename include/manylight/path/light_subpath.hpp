@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Virtual point lights, [Walter 2012, section 5.1]; theory sheet, section 2.3. beta = N B_j c'_j is the power that one
+// light path carries towards its next vertex; a VPL there gets the intensity N I_j = beta alpha |wi.ns| / |wi.ng|.
+
+#include <cmath>
+#include <vector>
+
+#include "manylight/path/connect.hpp"
+#include "manylight/path/walk.hpp"
+
+namespace manylight {
+
+/// The VPL of an emission, strength N I_l. Point and directional lights are left to `exact_vpls`.
+template <class Scene>
+[[nodiscard]] VertexOf<Scene> emission_vertex(const EmissionSample<typename Scene::Scalar>& emission) {
+  VertexOf<Scene> v;
+  v.strength = emission.intensity;
+  if (is_infinite(emission.kind)) {
+    v.kind = VertexKind::infinite_emitter;
+    v.position = -emission.wo;
+  } else {
+    v.kind = emission.kind == EmitterKind::point ? VertexKind::point_emitter
+             : emission.two_sided                ? VertexKind::two_sided_area_emitter
+                                                 : VertexKind::area_emitter;
+    v.position = emission.position;
+    v.error = emission.error;
+    v.ng = emission.ng;
+  }
+  v.exact = is_delta(emission.kind);
+  return v;
+}
+
+/// Traces one light subpath and appends its VPLs (strength N I, so not yet divided by the number of paths) to `out`.
+/// Keeps VPLs with at most `max_edges - 2` segments behind them: no longer path can be connected.
+template <class Scene, SampleStream Stream>
+class LightSubpath {
+ public:
+  using S = typename Scene::Scalar;
+
+  LightSubpath(const Scene& scene, unsigned max_edges, Stream& stream, RayCounts& rays,
+               std::vector<VertexOf<Scene>>& out)
+      : scene_(scene), max_edges_(max_edges), stream_(stream), rays_(rays), out_(out) {}
+
+  void trace() {
+    const S u_select = stream_.next();
+    const Vec2<S> u_position = stream_.next_2d();
+    const auto emission = scene_.emitters().sample_emission(u_select, u_position, stream_.next_2d());
+    if (!emission) return;
+    if (!is_delta(emission->kind) && max_edges_ >= 2) out_.push_back(emission_vertex<Scene>(*emission));
+    WalkState<S> walk{start_ray(*emission), emission->beta};
+    for (unsigned edges = 1; edges + 2 <= max_edges_; ++edges) {
+      const std::optional<SurfacePoint<S>> point = scene_.intersect(walk.ray, stream_, rays_);
+      if (!point) return;
+      absorb<Scene>(walk, *point);
+      const Vec3<S> wi = -walk.ray.direction;
+      const auto hit = scene_.interaction(*point, wi);
+      if (!scatter_and_store(walk, hit, wi, edges)) return;
+    }
+  }
+
+ private:
+  [[nodiscard]] static Ray<S> start_ray(const EmissionSample<S>& emission) {
+    const bool on_surface = emission.kind == EmitterKind::area;
+    return {on_surface ? offset_origin(emission.position, emission.error, emission.ng, emission.wo) : emission.position,
+            emission.wo};
+  }
+
+  bool scatter_and_store(WalkState<S>& walk, const Interaction<S, typename Scene::Material>& hit, const Vec3<S>& wi,
+                         unsigned edges) {
+    const bool delta_only = hit.material.is_delta();
+    const S cos_ng = std::abs(glm::dot(wi, hit.ng));
+    if (!(cos_ng > S(0))) return false;
+    auto vertex = surface_vertex(hit, wi);
+    if (!delta_only && !(vertex.alpha > S(0))) return false;
+    vertex.strength = walk.beta * (vertex.alpha * std::abs(glm::dot(wi, hit.frame.n)) / cos_ng);
+    if (!survives(walk, delta_only ? walk.beta : vertex.strength, vertex)) return false;
+    if (!delta_only) {
+      vertex.edges = static_cast<std::uint16_t>(edges);
+      if (max_channel(vertex.strength) > S(0) && is_finite(vertex.strength)) out_.push_back(vertex);
+    }
+    const std::optional<ScatterSample<S>> sample = sample_scatter<Scene>(hit, wi, Walk::light, stream_);
+    if (!sample) return false;
+    continue_walk(scene_, walk, hit, *sample);
+    return true;
+  }
+
+  /// Roulette that keeps every VPL near the mean intensity flux / N, as the clamp assumes: q = min(1, N I / flux).
+  bool survives(WalkState<S>& walk, const Rgb<S>& power, VertexOf<Scene>& vertex) {
+    const S q = std::min(S(1), max_channel(power) / max_channel(scene_.emitters().total_flux()));
+    if (!(q > S(0))) return false;
+    if (q < S(1)) {
+      if (stream_.next() >= q) return false;
+      walk.beta /= q;
+      vertex.strength /= q;
+    }
+    return true;
+  }
+
+  const Scene& scene_;
+  unsigned max_edges_;
+  Stream& stream_;
+  RayCounts& rays_;
+  std::vector<VertexOf<Scene>>& out_;
+};
+
+}  // namespace manylight

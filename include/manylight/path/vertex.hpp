@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <type_traits>
+
+#include "manylight/core/frame.hpp"
+#include "manylight/core/spectrum.hpp"
+#include "manylight/scattering/concepts.hpp"
+#include "manylight/scene/scene.hpp"
+
+namespace manylight {
+
+/// A material may state `static constexpr bool k_isotropic = true`: its vertices then store a normal, not a frame.
+template <class M>
+inline constexpr bool k_is_isotropic = requires { requires M::k_isotropic; };
+
+namespace detail {
+template <std::floating_point S, bool Isotropic>
+class ShadingFrame {
+ public:
+  ShadingFrame() = default;
+  explicit ShadingFrame(const Frame<S>& frame) noexcept : n_(frame.n), s_(frame.s) {}
+  [[nodiscard]] Frame<S> frame() const noexcept {
+    Frame<S> f;
+    f.n = n_;
+    f.s = s_;
+    f.t = glm::cross(n_, s_);
+    return f;
+  }
+  [[nodiscard]] const Vec3<S>& normal() const noexcept { return n_; }
+
+ private:
+  Vec3<S> n_{0, 0, 1};
+  Vec3<S> s_{1, 0, 0};
+};
+
+template <std::floating_point S>
+class ShadingFrame<S, true> {
+ public:
+  ShadingFrame() = default;
+  explicit ShadingFrame(const Frame<S>& frame) noexcept : n_(frame.n) {}
+  [[nodiscard]] Frame<S> frame() const noexcept { return Frame<S>(n_); }
+  [[nodiscard]] const Vec3<S>& normal() const noexcept { return n_; }
+
+ private:
+  Vec3<S> n_{0, 0, 1};
+};
+}  // namespace detail
+
+/// What a vertex scatters or emits like.
+enum class VertexKind : std::uint8_t {
+  surface,         ///< a Material
+  area_emitter,    ///< Lambertian emission on the side of ng
+  two_sided_area_emitter,  ///< Lambertian emission on both sides
+  point_emitter,   ///< isotropic emission
+  infinite_emitter ///< environment or directional: `position` is the unit direction towards the light
+};
+
+/// The one vertex of the toolkit: at the end of an eye subpath a virtual point sensor (VPS), at the end of a light
+/// subpath a virtual point light (VPL). All directions are unit, world frame, and point away from the vertex.
+template <std::floating_point S, Material M>
+struct Vertex {
+  using Scalar = S;
+  Vec3<S> position{0};
+  S error = S(0);         ///< bound of the absolute error of `position`, m
+  Vec3<S> ng{0, 0, 1};    ///< geometric normal, on the side of `w` for two-sided surfaces
+  Vec3<S> w{0, 0, 1};     ///< known direction: `wo` (to the previous eye vertex) of a VPS, `wi` of a VPL
+  detail::ShadingFrame<S, k_is_isotropic<M>> shading;
+  M material{};
+  S alpha = S(0);         ///< normaliser of the pattern: largest channel of the material's albedo
+  Rgb<S> strength{0};     ///< S of a VPS (1: radiance per radiance), I of a VPL (W)
+  std::uint16_t edges = 0;  ///< segments between this vertex and the camera (VPS) or the emitter (VPL)
+  VertexKind kind = VertexKind::surface;
+  bool exact = false;  ///< emission without noise that no other technique can reach (point, directional): not clamped
+
+  [[nodiscard]] bool is_infinite() const noexcept { return kind == VertexKind::infinite_emitter; }
+  [[nodiscard]] Anchor<S> anchor() const noexcept { return {position, error, ng}; }
+};
+
+template <class Scene>
+using VertexOf = Vertex<typename Scene::Scalar, typename Scene::Material>;
+
+/// A surface vertex at `hit` with the known direction `w`; strength and edges are left to the caller.
+template <std::floating_point S, Material M>
+[[nodiscard]] Vertex<S, M> surface_vertex(const Interaction<S, M>& hit, const Vec3<S>& w) noexcept {
+  Vertex<S, M> v;
+  v.position = hit.point.position;
+  v.error = hit.point.error;
+  v.ng = hit.ng;
+  v.w = w;
+  v.shading = detail::ShadingFrame<S, k_is_isotropic<M>>(hit.frame);
+  v.material = hit.material;
+  v.alpha = max_channel(hit.material.albedo());
+  return v;
+}
+
+}  // namespace manylight

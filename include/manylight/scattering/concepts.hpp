@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <concepts>
+#include <optional>
+
+#include "manylight/core/spectrum.hpp"
+#include "manylight/core/vector.hpp"
+
+namespace manylight {
+
+/// Which way a subpath is traced. `eye`: `wo` is known and `wi` is sampled; `light`: `wi` is known, `wo` is sampled.
+enum class Walk { eye, light };
+
+/// A direction drawn at a vertex.
+template <std::floating_point S>
+struct DirectionSample {
+  Vec3<S> direction;      ///< local unit vector away from the vertex: `wi` in an eye walk, `wo` in a light walk
+  S pdf = S(0);           ///< density, sr^-1; of a delta event its discrete probability
+  bool is_delta = false;  ///< the direction is the only one that its lobe allows
+  /// Delta events only: f |cos| / pdf of the event, including the radiance factor (eta_wo / eta_wi)^2 of refraction in
+  /// an eye walk (eta on the side of that direction) and without it in a light walk.
+  Rgb<S> delta_weight{0};
+};
+
+/// Scattering at one surface point, in the local shading frame (z = shading normal n_s). Contract:
+///  - all directions are unit and point away from the vertex, `wi` towards the light, `wo` towards the eye; the roles
+///    never swap, reciprocity is not assumed;
+///  - `eval(wi, wo)`: the BSDF f, sr^-1, WITHOUT any cosine, without its delta part, 0 outside the lobes' sides;
+///    finite wherever |wi.z| and |wo.z| are positive; never NaN, never negative;
+///  - `sample(known, walk, u_lobe, u)`: draws the other direction (see `Walk`), from three variates in [0,1);
+///    none if the draw falls outside the lobe (its probability is the missing mass of the pdf);
+///  - `pdf(known, sampled, walk)`: solid-angle density of `sample` for non-delta events, sr^-1; integrates to at most
+///  1;
+///  - `albedo()`: per channel, the sum of the non-delta lobes' albedos at normal incidence: positive wherever eval can
+///    be. It only normalises patterns (M, D); it need not be exact;
+///  - `is_delta()`: eval is zero for all pairs (mirror, smooth glass): such a vertex is never connected.
+/// Materials are small values (copied into every vertex); all members are const, noexcept, cheap, thread-safe.
+template <class M>
+concept Material = std::copyable<M> && requires(const M& m, const Vec3<typename M::Scalar>& w, Walk walk,
+                                                typename M::Scalar u, const Vec2<typename M::Scalar>& u2) {
+  typename M::Scalar;
+  { m.eval(w, w) } -> std::same_as<Rgb<typename M::Scalar>>;
+  { m.sample(w, walk, u, u2) } -> std::same_as<std::optional<DirectionSample<typename M::Scalar>>>;
+  { m.pdf(w, w, walk) } -> std::same_as<typename M::Scalar>;
+  { m.albedo() } -> std::same_as<Rgb<typename M::Scalar>>;
+  { m.is_delta() } -> std::same_as<bool>;
+};
+
+/// Optional refinement: a material that can bound itself, in O(1). With m(x) the largest channel, all are true upper
+/// bounds (sampled in tests), 0 for delta lobes and where `wo` lies on a black side, may be infinite:
+///  - `sup_cos_eval(wo)`: of m(f(wi, wo)) |wi.z| over all wi (the peak of the pattern of a sensor);
+///  - `sup_eval_cos_wo(wo)`: of m(f(wi, wo)) |wo.z| over all wi (the largest pattern of a light in that direction);
+///  - `diffuse_albedo()` and `sup_gloss_beyond(wo, theta)`: the profile of the lobe, with theta (rad, [0, pi]) a lower
+///    bound of the angle between wi and the mirror image of wo about the normal:
+///    m(f(wi, wo)) |wi.z| <= diffuse_albedo() max(0, wi.z) / pi + sup_gloss_beyond(wo, theta).
+template <class M>
+concept BoundedMaterial = Material<M> &&
+    requires(const M& m, const Vec3<typename M::Scalar>& w, typename M::Scalar theta) {
+  { m.sup_cos_eval(w) } -> std::same_as<typename M::Scalar>;
+  { m.sup_eval_cos_wo(w) } -> std::same_as<typename M::Scalar>;
+  { m.diffuse_albedo() } -> std::same_as<typename M::Scalar>;
+  { m.sup_gloss_beyond(w, theta) } -> std::same_as<typename M::Scalar>;
+};
+
+/// How strongly a material scatters light that meets `known`, delta lobes included: what a mixture chooses its lobes
+/// by. The material's own `sampling_weight(known)` if it has one, else the largest channel of its albedo.
+template <Material M>
+[[nodiscard]] inline typename M::Scalar sampling_weight(const M& material,
+                                                        const Vec3<typename M::Scalar>& known) noexcept {
+  if constexpr (requires { material.sampling_weight(known); }) {
+    return material.sampling_weight(known);
+  } else {
+    return max_channel(material.albedo());
+  }
+}
+
+}  // namespace manylight

@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+
+#include "manylight/scattering/fresnel.hpp"
+#include "manylight/scattering/microfacet.hpp"
+
+namespace manylight {
+
+/// Perfect mirror of constant reflectance on the side of the normal (delta).
+template <std::floating_point S>
+struct Mirror {
+  using Scalar = S;
+  Rgb<S> reflectance{S(1)};  ///< per channel, [0, 1]
+
+  /// Throws ParameterError.
+  void validate() const { check::reflectance("Mirror reflectance", reflectance); }
+
+  [[nodiscard]] static constexpr Rgb<S> eval(const Vec3<S>& /*wi*/, const Vec3<S>& /*wo*/) noexcept {
+    return Rgb<S>(0);
+  }
+  [[nodiscard]] std::optional<DirectionSample<S>> sample(const Vec3<S>& known, Walk, S /*u_lobe*/,
+                                                         const Vec2<S>& /*u*/) const noexcept {
+    if (known.z <= S(0)) return std::nullopt;
+    return DirectionSample<S>{local::mirror(known), S(1), true, reflectance};
+  }
+  [[nodiscard]] static constexpr S pdf(const Vec3<S>& /*known*/, const Vec3<S>& /*sampled*/, Walk) noexcept {
+    return S(0);
+  }
+  [[nodiscard]] static constexpr Rgb<S> albedo() noexcept { return Rgb<S>(0); }
+  [[nodiscard]] static constexpr bool is_delta() noexcept { return true; }
+  [[nodiscard]] S sampling_weight(const Vec3<S>& known) const noexcept {
+    return known.z > S(0) ? max_channel(reflectance) : S(0);
+  }
+
+  // ---- bounds (see BoundedMaterial) ----
+  [[nodiscard]] static constexpr S sup_cos_eval(const Vec3<S>& /*wo*/) noexcept { return S(0); }
+  [[nodiscard]] static constexpr S sup_eval_cos_wo(const Vec3<S>& /*wo*/) noexcept { return S(0); }
+  [[nodiscard]] static constexpr S diffuse_albedo() noexcept { return S(0); }
+  [[nodiscard]] static constexpr S sup_gloss_beyond(const Vec3<S>& /*wo*/, S /*theta*/) noexcept { return S(0); }
+};
+
+/// Smooth metal (delta): a mirror whose reflectance is Fresnel's for the complex index eta + i k.
+template <std::floating_point S>
+struct SmoothConductor {
+  using Scalar = S;
+  Rgb<S> eta{S(0)};       ///< real part of the index relative to the outside, per channel, >= 0
+  Rgb<S> k{S(1)};         ///< imaginary part, >= 0; eta = 0 reflects everything
+  Rgb<S> specular{S(1)};  ///< factor on the reflectance, [0, 1]
+
+  /// Throws ParameterError.
+  void validate() const {
+    check::non_negative("SmoothConductor eta", eta);
+    check::non_negative("SmoothConductor k", k);
+    check::reflectance("SmoothConductor specular", specular);
+  }
+
+  [[nodiscard]] static constexpr Rgb<S> eval(const Vec3<S>& /*wi*/, const Vec3<S>& /*wo*/) noexcept {
+    return Rgb<S>(0);
+  }
+  [[nodiscard]] std::optional<DirectionSample<S>> sample(const Vec3<S>& known, Walk, S /*u_lobe*/,
+                                                         const Vec2<S>& /*u*/) const noexcept {
+    if (known.z <= S(0)) return std::nullopt;
+    return DirectionSample<S>{local::mirror(known), S(1), true, specular * fresnel_conductor(known.z, eta, k)};
+  }
+  [[nodiscard]] static constexpr S pdf(const Vec3<S>& /*known*/, const Vec3<S>& /*sampled*/, Walk) noexcept {
+    return S(0);
+  }
+  [[nodiscard]] static constexpr Rgb<S> albedo() noexcept { return Rgb<S>(0); }
+  [[nodiscard]] static constexpr bool is_delta() noexcept { return true; }
+  [[nodiscard]] S sampling_weight(const Vec3<S>& known) const noexcept {
+    return known.z > S(0) ? max_channel(specular * fresnel_conductor(known.z, eta, k)) : S(0);
+  }
+
+  // ---- bounds (see BoundedMaterial) ----
+  [[nodiscard]] static constexpr S sup_cos_eval(const Vec3<S>& /*wo*/) noexcept { return S(0); }
+  [[nodiscard]] static constexpr S sup_eval_cos_wo(const Vec3<S>& /*wo*/) noexcept { return S(0); }
+  [[nodiscard]] static constexpr S diffuse_albedo() noexcept { return S(0); }
+  [[nodiscard]] static constexpr S sup_gloss_beyond(const Vec3<S>& /*wo*/, S /*theta*/) noexcept { return S(0); }
+};
+
+/// Rough metal, f = specular F(wo . h) D(h) G1(wi) G1(wo) / (4 wi.z wo.z). Reciprocal. [Walter 2007, Eq. 20]
+template <std::floating_point S>
+struct RoughConductor {
+  using Scalar = S;
+  MicrofacetType distribution = MicrofacetType::beckmann;
+  S alpha_u = S(0.1);     ///< roughness along local x
+  S alpha_v = S(0.1);     ///< roughness along local y
+  Rgb<S> eta{S(0)};       ///< real part of the index relative to the outside, per channel, >= 0
+  Rgb<S> k{S(1)};         ///< imaginary part, >= 0; eta = 0 reflects everything
+  Rgb<S> specular{S(1)};  ///< factor on the reflectance, [0, 1]
+
+  /// Throws ParameterError.
+  void validate() const {
+    check::roughness("RoughConductor alpha_u", alpha_u);
+    check::roughness("RoughConductor alpha_v", alpha_v);
+    check::non_negative("RoughConductor eta", eta);
+    check::non_negative("RoughConductor k", k);
+    check::reflectance("RoughConductor specular", specular);
+  }
+
+  [[nodiscard]] Rgb<S> eval(const Vec3<S>& wi, const Vec3<S>& wo) const noexcept {
+    if (!local::both_above(wi, wo)) return Rgb<S>(0);
+    const MicrofacetDistribution<S> facets = microfacets();
+    const Vec3<S> h = local::half_vector(wi, wo);
+    const S density = facets.density(h);
+    if (!(density > S(0))) return Rgb<S>(0);
+    const S value = S(0.25) * density * facets.masking_over_cos(wi) * facets.masking_over_cos(wo);
+    return specular * fresnel_conductor(glm::dot(wo, h), eta, k) * value;
+  }
+
+  /// Reflects about a visible normal; what leaves below the surface is rejected.
+  [[nodiscard]] std::optional<DirectionSample<S>> sample(const Vec3<S>& known, Walk walk, S /*u_lobe*/,
+                                                         const Vec2<S>& u) const noexcept {
+    if (known.z <= S(0)) return std::nullopt;
+    const Vec3<S> h = microfacets().sample_visible(known, u);
+    const Vec3<S> w = glm::normalize(local::mirror(known, h));
+    const S density = pdf(known, w, walk);
+    if (!(density > S(0))) return std::nullopt;
+    return DirectionSample<S>{w, density, false, Rgb<S>(0)};
+  }
+
+  /// Density of the visible normal, D G1 (known . h) / known.z, over the Jacobian 4 (known . h).
+  [[nodiscard]] S pdf(const Vec3<S>& known, const Vec3<S>& sampled, Walk) const noexcept {
+    if (!local::both_above(known, sampled)) return S(0);
+    const MicrofacetDistribution<S> facets = microfacets();
+    return S(0.25) * facets.density(local::half_vector(known, sampled)) * facets.masking_over_cos(known);
+  }
+
+  [[nodiscard]] Rgb<S> albedo() const noexcept { return specular * fresnel_conductor(S(1), eta, k); }
+  [[nodiscard]] static constexpr bool is_delta() noexcept { return false; }
+  [[nodiscard]] MicrofacetDistribution<S> microfacets() const noexcept { return {distribution, alpha_u, alpha_v}; }
+
+  // ---- bounds (see BoundedMaterial): F <= 1 and G1(wi) <= 1 ----
+  [[nodiscard]] S sup_cos_eval(const Vec3<S>& wo) const noexcept { return sup_gloss_beyond(wo, S(0)); }
+  [[nodiscard]] S sup_eval_cos_wo(const Vec3<S>& wo) const noexcept {
+    if (wo.z <= S(0)) return S(0);
+    const MicrofacetDistribution<S> facets = microfacets();
+    return max_channel(specular) * S(0.25) * facets.sup_density(S(0)) * facets.sup_masking_over_cos() *
+           facets.masking(wo);
+  }
+  [[nodiscard]] static constexpr S diffuse_albedo() noexcept { return S(0); }
+  [[nodiscard]] S sup_gloss_beyond(const Vec3<S>& wo, S theta) const noexcept {
+    if (wo.z <= S(0)) return S(0);
+    const MicrofacetDistribution<S> facets = microfacets();
+    return max_channel(specular) * S(0.25) * facets.sup_density(local::min_half_tan2(theta)) *
+           facets.masking_over_cos(wo);
+  }
+};
+
+static_assert(BoundedMaterial<Mirror<float>> && BoundedMaterial<Mirror<double>>);
+static_assert(BoundedMaterial<SmoothConductor<float>> && BoundedMaterial<SmoothConductor<double>>);
+static_assert(BoundedMaterial<RoughConductor<float>> && BoundedMaterial<RoughConductor<double>>);
+
+}  // namespace manylight

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+
+#include "manylight/core/warp.hpp"
+#include "manylight/scattering/concepts.hpp"
+#include "manylight/scattering/validation.hpp"
+
+namespace manylight {
+
+/// Diffuse reflection, f = albedo / pi on the side of the normal.
+template <std::floating_point S>
+struct Lambertian {
+  using Scalar = S;
+  Rgb<S> reflectance{S(0.5)};  ///< albedo per channel, [0, 1]
+
+  /// Throws ParameterError.
+  void validate() const { check::reflectance("Lambertian reflectance", reflectance); }
+
+  [[nodiscard]] Rgb<S> eval(const Vec3<S>& wi, const Vec3<S>& wo) const noexcept {
+    return wi.z > S(0) && wo.z > S(0) ? reflectance * k_inv_pi<S> : Rgb<S>(0);
+  }
+  [[nodiscard]] std::optional<DirectionSample<S>> sample(const Vec3<S>& known, Walk, S /*u_lobe*/,
+                                                         const Vec2<S>& u) const noexcept {
+    if (known.z <= S(0)) return std::nullopt;
+    const Vec3<S> w = warp::square_to_cosine_hemisphere(u);
+    return DirectionSample<S>{w, warp::cosine_hemisphere_pdf(w), false, Rgb<S>(0)};
+  }
+  [[nodiscard]] S pdf(const Vec3<S>& known, const Vec3<S>& sampled, Walk) const noexcept {
+    return known.z > S(0) ? warp::cosine_hemisphere_pdf(sampled) : S(0);
+  }
+  [[nodiscard]] Rgb<S> albedo() const noexcept { return reflectance; }
+  [[nodiscard]] static constexpr bool is_delta() noexcept { return false; }
+
+  // ---- bounds (see BoundedMaterial) ----
+  [[nodiscard]] S sup_cos_eval(const Vec3<S>& wo) const noexcept {
+    return wo.z > S(0) ? max_channel(reflectance) * k_inv_pi<S> : S(0);
+  }
+  [[nodiscard]] S sup_eval_cos_wo(const Vec3<S>& wo) const noexcept {
+    return wo.z > S(0) ? max_channel(reflectance) * k_inv_pi<S> * wo.z : S(0);
+  }
+  [[nodiscard]] S diffuse_albedo() const noexcept { return max_channel(reflectance); }
+  [[nodiscard]] static constexpr S sup_gloss_beyond(const Vec3<S>& /*wo*/, S /*theta*/) noexcept { return S(0); }
+};
+
+static_assert(BoundedMaterial<Lambertian<float>> && BoundedMaterial<Lambertian<double>>);
+
+}  // namespace manylight

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "manylight/core/vector.hpp"
+#include "manylight/scattering/concepts.hpp"
+
+/// Small geometry of the local shading frame (normal = +z) shared by the materials.
+namespace manylight::local {
+
+/// The mirror image of `w` about the normal.
+template <std::floating_point S>
+[[nodiscard]] constexpr Vec3<S> mirror(const Vec3<S>& w) noexcept {
+  return {-w.x, -w.y, w.z};
+}
+
+/// The mirror image of `w` about the unit vector `m`.
+template <std::floating_point S>
+[[nodiscard]] inline Vec3<S> mirror(const Vec3<S>& w, const Vec3<S>& m) noexcept {
+  return S(2) * glm::dot(w, m) * m - w;
+}
+
+/// Unit half vector of two directions of the upper side; the normal if they cancel to nothing.
+template <std::floating_point S>
+[[nodiscard]] inline Vec3<S> half_vector(const Vec3<S>& wi, const Vec3<S>& wo) noexcept {
+  const Vec3<S> h = wi + wo;
+  const S length2 = glm::dot(h, h);
+  return length2 > std::numeric_limits<S>::min() ? h / std::sqrt(length2) : Vec3<S>(0, 0, 1);
+}
+
+/// Both directions lie on the side of the normal.
+template <std::floating_point S>
+[[nodiscard]] constexpr bool both_above(const Vec3<S>& wi, const Vec3<S>& wo) noexcept {
+  return wi.z > S(0) && wo.z > S(0);
+}
+
+/// Squared sine of the angle to the normal, without the cancellation of 1 - z^2.
+template <std::floating_point S>
+[[nodiscard]] constexpr S sin2_theta(const Vec3<S>& w) noexcept {
+  return w.x * w.x + w.y * w.y;
+}
+
+/// Smallest tan^2 of the angle between the normal and the half vector of `wo` and any `wi` that is at least `theta`
+/// (rad) away from the mirror direction of `wo`. Mirroring about n, then about H, is a rotation by twice the angle
+/// between them, so that angle(wi, mirror(wo)) <= 2 angle(H, n). [bidirectional lightcuts, analytic bounds]
+/// Capped at 1e10, where every lobe of a usable roughness has ended.
+template <std::floating_point S>
+[[nodiscard]] inline S min_half_tan2(S theta) noexcept {
+  const S half = theta / S(2);
+  const S cosine = std::cos(half);
+  if (half <= S(0)) return S(0);
+  if (cosine <= S(1e-5)) return S(1e10);
+  return sqr(std::sin(half) / cosine);
+}
+
+}  // namespace manylight::local

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cmath>
+#include <optional>
+
+#include "manylight/core/frame.hpp"
+#include "manylight/scattering/local_geometry.hpp"
+#include "manylight/scattering/validation.hpp"
+
+namespace manylight {
+
+/// Modified Phong lobe, f = specular (n + 2) / (2 pi) max(0, r . wi)^n, r the mirror image of wo. Its albedo is
+/// `specular` at normal incidence for every n and falls towards grazing angles, where the lobe dips below the surface.
+/// Reciprocal.
+/// [Lafortune and Willems 1994, "Using the modified Phong reflectance model"]
+template <std::floating_point S>
+struct Phong {
+  using Scalar = S;
+  Rgb<S> specular{S(0.5)};  ///< albedo at normal incidence per channel, [0, 1]
+  S exponent = S(50);       ///< n >= 0; the larger, the sharper
+
+  /// Throws ParameterError.
+  void validate() const {
+    check::reflectance("Phong specular", specular);
+    check::non_negative("Phong exponent", exponent);
+  }
+
+  [[nodiscard]] Rgb<S> eval(const Vec3<S>& wi, const Vec3<S>& wo) const noexcept {
+    if (!local::both_above(wi, wo)) return Rgb<S>(0);
+    return specular * (peak() * lobe(glm::dot(local::mirror(wo), wi)));
+  }
+
+  /// The cosine to the lobe's axis has the density (n + 1) cos^n on [0, 1]: cos = (1 - u)^(1 / (n + 1)), by inversion.
+  /// Draws below the surface are rejected, so that the pdf integrates to less than 1 towards grazing angles.
+  [[nodiscard]] std::optional<DirectionSample<S>> sample(const Vec3<S>& known, Walk walk, S /*u_lobe*/,
+                                                         const Vec2<S>& u) const noexcept {
+    if (known.z <= S(0)) return std::nullopt;
+    // sin^2 = 1 - cos^2 from the logarithm, which keeps its digits where cos is near 1 (sharp lobes).
+    const S log_cos = std::log1p(-u.x) / (exponent + S(1));
+    const S cosine = std::exp(log_cos);
+    const S sine = safe_sqrt(-std::expm1(S(2) * log_cos));
+    const S phi = S(2) * k_pi<S> * u.y;
+    const Vec3<S> around_axis{sine * std::cos(phi), sine * std::sin(phi), cosine};
+    const Vec3<S> w = glm::normalize(Frame<S>(local::mirror(known)).to_world(around_axis));
+    const S density = pdf(known, w, walk);
+    if (!(density > S(0))) return std::nullopt;
+    return DirectionSample<S>{w, density, false, Rgb<S>(0)};
+  }
+
+  [[nodiscard]] S pdf(const Vec3<S>& known, const Vec3<S>& sampled, Walk) const noexcept {
+    if (!local::both_above(known, sampled)) return S(0);
+    return (exponent + S(1)) / (S(2) * k_pi<S>)*lobe(glm::dot(local::mirror(known), sampled));
+  }
+
+  [[nodiscard]] Rgb<S> albedo() const noexcept { return specular; }
+  [[nodiscard]] static constexpr bool is_delta() noexcept { return false; }
+
+  // ---- bounds (see BoundedMaterial) ----
+  [[nodiscard]] S sup_cos_eval(const Vec3<S>& wo) const noexcept { return sup_gloss_beyond(wo, S(0)); }
+  [[nodiscard]] S sup_eval_cos_wo(const Vec3<S>& wo) const noexcept {
+    return wo.z > S(0) ? max_channel(specular) * peak() * wo.z : S(0);
+  }
+  [[nodiscard]] static constexpr S diffuse_albedo() noexcept { return S(0); }
+  [[nodiscard]] S sup_gloss_beyond(const Vec3<S>& wo, S theta) const noexcept {
+    return wo.z > S(0) ? max_channel(specular) * peak() * lobe(std::cos(theta)) : S(0);
+  }
+
+ private:
+  [[nodiscard]] S peak() const noexcept { return (exponent + S(2)) / (S(2) * k_pi<S>); }
+  /// max(0, c)^n; an exponent of 0 still ends the lobe at 90 degrees from its axis. Rounding must not lift c above 1.
+  [[nodiscard]] S lobe(S c) const noexcept { return c > S(0) ? std::pow(std::min(c, S(1)), exponent) : S(0); }
+};
+
+static_assert(BoundedMaterial<Phong<float>> && BoundedMaterial<Phong<double>>);
+
+}  // namespace manylight
