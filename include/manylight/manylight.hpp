@@ -31,6 +31,7 @@
 #include "manylight/scattering/conductor.hpp"
 #include "manylight/scattering/dielectric.hpp"
 #include "manylight/scattering/fresnel.hpp"
+#include "manylight/scattering/gauss_legendre.hpp"
 #include "manylight/scattering/inverse_erf.hpp"
 #include "manylight/scattering/lambertian.hpp"
 #include "manylight/scattering/local_geometry.hpp"

@@ -12,7 +12,7 @@ namespace {
 
 bool is_separator(char c) { return c == ' ' || c == ',' || c == '\t' || c == '\n' || c == '\r'; }
 
-std::string quoted(std::string_view text) { return "'" + std::string(text) + "'"; }
+std::string in_quotes(std::string_view text) { return "'" + std::string(text) + "'"; }
 
 }  // namespace
 
@@ -23,7 +23,7 @@ Names::Names(const Element& root) {
   for (const auto& child : root.children) {
     if (child->tag != "alias") continue;
     const auto target = targets_.find(child->get("id"));
-    if (target == targets_.end()) fail(*child, "refers to unknown id " + quoted(child->get("id")));
+    if (target == targets_.end()) fail(*child, "refers to unknown id " + in_quotes(child->get("id")));
     add(*child, child->get("as"), *target->second);
   }
 }
@@ -41,12 +41,12 @@ void Names::add(const Element& where, const std::string& id, const Element& targ
   const auto [found, is_new] = targets_.emplace(id, &target);
   if (is_new) return;
   const Element& first = *found->second;
-  fail(where, "id " + quoted(id) + " is used before, in " + *first.file + ":" + std::to_string(first.line));
+  fail(where, "id " + in_quotes(id) + " is used before, in " + *first.file + ":" + std::to_string(first.line));
 }
 
 const Element& Names::resolve(const Element& reference) const {
   const auto found = targets_.find(reference.get("id"));
-  if (found == targets_.end()) fail(reference, "refers to unknown id " + quoted(reference.get("id")));
+  if (found == targets_.end()) fail(reference, "refers to unknown id " + in_quotes(reference.get("id")));
   return *found->second;
 }
 
@@ -54,7 +54,7 @@ const Element& Names::resolve(const Element& reference) const {
 
 double parse_number(const Element& element, std::string_view text) {
   const std::vector<double> numbers = parse_numbers(element, text);
-  if (numbers.size() != 1) fail(element, "needs one number, not " + quoted(text));
+  if (numbers.size() != 1) fail(element, "needs one number, not " + in_quotes(text));
   return numbers.front();
 }
 
@@ -71,9 +71,9 @@ std::vector<double> parse_numbers(const Element& element, std::string_view text)
     const std::size_t sign = word.front() == '+' ? 1 : 0;  // from_chars takes no plus
     double value = 0;
     const auto [stop, code] = std::from_chars(word.data() + sign, word.data() + word.size(), value);
-    if (code != std::errc() || stop != word.data() + word.size()) fail(element, quoted(word) + " is not a number");
+    if (code != std::errc() || stop != word.data() + word.size()) fail(element, in_quotes(word) + " is not a number");
     const bool fits = std::isfinite(value) && std::abs(value) <= double{std::numeric_limits<float>::max()};
-    if (!fits) fail(element, quoted(word) + " is out of range, allowed: finite numbers");
+    if (!fits) fail(element, in_quotes(word) + " is out of range, allowed: finite numbers");
     numbers.push_back(value);
     i = end;
   }
@@ -101,7 +101,7 @@ Properties::Properties(const Element& element, const Names& names) : element_(el
   for (const auto& child : element.children) {
     const Element& target = child->tag == "ref" ? names.resolve(*child) : *child;
     std::string name = snake_case(child->get("name"));
-    if (!name.empty() && !seen.insert(name).second) fail(*child, "property " + quoted(name) + " is given twice");
+    if (!name.empty() && !seen.insert(name).second) fail(*child, "property " + in_quotes(name) + " is given twice");
     items_.push_back({&target, child.get(), std::move(name)});
   }
 }
@@ -146,7 +146,7 @@ double Properties::positive(std::string_view name, double otherwise) {
   if (child == nullptr) return otherwise;
   require_tag(*child, {"float", "integer"});
   const double value = parse_number(*child, child->get("value"));
-  if (!(value > 0)) fail(*child, quoted(child->get("value")) + " is out of range, allowed: above 0");
+  if (!(value > 0)) fail(*child, in_quotes(child->get("value")) + " is out of range, allowed: above 0");
   return value;
 }
 
@@ -156,7 +156,7 @@ std::optional<int> Properties::integer(std::string_view name) {
   require_tag(*child, {"integer"});
   const double value = parse_number(*child, child->get("value"));
   if (value != std::floor(value) || std::abs(value) > double{std::numeric_limits<int>::max()}) {
-    fail(*child, quoted(child->get("value")) + " is not a whole number in range");
+    fail(*child, in_quotes(child->get("value")) + " is not a whole number in range");
   }
   return static_cast<int>(value);
 }
@@ -168,7 +168,7 @@ bool Properties::flag(std::string_view name, bool otherwise) {
   const std::string& value = child->get("value");
   if (value == "true" || value == "True" || value == "1") return true;
   if (value == "false" || value == "False" || value == "0") return false;
-  fail(*child, quoted(value) + " is neither true nor false");
+  fail(*child, in_quotes(value) + " is neither true nor false");
 }
 
 std::optional<std::string> Properties::text(std::string_view name) {

@@ -11,6 +11,7 @@
 #include "manylight/core/spectrum.hpp"
 #include "manylight/geometry/shapes.hpp"
 #include "manylight/scattering/microfacet.hpp"
+#include "manylight/scattering/rough_transmittance.hpp"
 #include "manylight/scattering/texture.hpp"
 #include "manylight/scattering/ward.hpp"
 #include "manylight/scene/emitter_list.hpp"
@@ -71,6 +72,8 @@ struct MaterialDescription {
   Rgb<float> k{1.0F};    ///< conductor: imaginary part, relative to the outside
   float interior_ior = 1.5F;
   float exterior_ior = 1.0F;
+  /// rough_plastic: Mitsuba 3 averages only single reflections; files of version 0.x use the energy-conserving value.
+  InternalReflectance internal_reflectance = InternalReflectance::not_transmitted;
   bool is_nonlinear = false;  ///< plastic: colour shifts of multiple internal reflection
 
   std::vector<MaterialDescription> nested;

@@ -33,7 +33,7 @@ void expect_orthonormal(const Frame<S>& f, S tolerance) {
   EXPECT_NEAR(glm::length(glm::cross(f.s, f.t) - f.n), S(0), tolerance) << "left-handed";
 }
 
-// Planted bug seen: the sign of t exchanged; std::copysign replaced by 1 (fails at n = -z).
+// Planted bug seen: std::copysign replaced by 1 (fails at n = -z).
 TYPED_TEST(Basics, FrameIsRightHandedAndOrthonormalForEveryNormal) {
   using S = TypeParam;
   IndependentStream<S> stream(1, Stage::test, 0, 0);
@@ -51,6 +51,7 @@ TYPED_TEST(Basics, FrameIsRightHandedAndOrthonormalForEveryNormal) {
   }
 }
 
+// Planted bug seen: cross(s, n) for t.
 TYPED_TEST(Basics, FrameFollowsATangentOfAnyLength) {
   using S = TypeParam;
   const Vec3<S> n = glm::normalize(Vec3<S>(1, 2, 3));

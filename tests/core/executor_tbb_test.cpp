@@ -53,9 +53,8 @@ TEST(TbbExecutor, CallsNothingForNoWork) {
 TEST(TbbExecutor, CanBeUsedInsideATask) {
   const TbbExecutor executor(2);
   std::atomic<int> calls = 0;
-  executor.for_each_index(8, [&](std::size_t) {
-    executor.for_each_index(16, [&](std::size_t) { calls.fetch_add(1); });
-  });
+  executor.for_each_index(8,
+                          [&](std::size_t) { executor.for_each_index(16, [&](std::size_t) { calls.fetch_add(1); }); });
   EXPECT_EQ(calls.load(), 128);
 }
 

@@ -14,7 +14,7 @@ namespace {
 using Block = std::array<std::uint32_t, 4>;
 
 // Oracle: the known-answer vectors of the generator's authors.
-// Planted bug seen: the two key increments exchanged; nine rounds.
+// Planted bug seen: the two key increments exchanged.
 TEST(Philox, GivesTheKnownAnswers) {
   EXPECT_EQ(philox4x32({0, 0, 0, 0}, {0, 0}), (Block{0x6627e8d5u, 0xe169c58du, 0xbc57ac4cu, 0x9b00dbd8u}));
   constexpr std::uint32_t k_ones = 0xffffffffu;
@@ -48,9 +48,9 @@ TEST(IndependentStream, IsAFunctionOfItsKeyAlone) {
   for (int i = 0; i < 20; ++i) EXPECT_EQ(first.next(), again.next());
 }
 
-// Every part of the key matters, the upper halves of the 64-bit ones included: first variates of all keys that differ in
-// one bit of one part are distinct. False alarm: 200 values of 32 bits collide with probability 5e-6; the seed is fixed.
-// Planted bug seen: the upper half of the index left out of the counter.
+// Every part of the key matters, the upper halves of the 64-bit ones included: first variates of all keys that differ
+// in one bit of one part are distinct. False alarm: 200 values of 32 bits collide with probability 5e-6; the seed is
+// fixed. Planted bug seen: the upper half of the index left out of the counter.
 TEST(IndependentStream, EveryBitOfTheKeyMatters) {
   std::set<double> seen;
   std::size_t keys = 0;

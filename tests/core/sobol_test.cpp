@@ -69,8 +69,7 @@ TEST(Sobol, ScramblePermutesEveryAlignedBlock) {
 }
 
 // The documented property of streams, in both scalars, at several dimensions of several keys.
-// Planted bugs seen: sample order not shuffled by blocks (hash_upwards for scramble); one seed missing from one axis
-// does not show here, but below.
+// Planted bug seen: sample order shuffled without regard to blocks (the hash without the bit reversals).
 template <class S>
 void expect_nets() {
   const SobolSampler<S> sampler{11};

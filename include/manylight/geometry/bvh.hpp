@@ -25,6 +25,11 @@
 
 namespace manylight {
 
+namespace detail {
+/// In which order a ray visits the children of a node.
+enum class Order { nearest_first, any };
+}  // namespace detail
+
 /// The built-in ray-tracing backend: a wide bounding volume hierarchy, needing nothing but the compiler. A model of
 /// `Geometry` for float and double.
 ///
@@ -77,8 +82,10 @@ class Bvh {
   [[nodiscard]] static std::vector<Ref> collect_refs(const Shapes<S>& shapes);
   void collapse(const std::vector<BinaryNode>& binary, const std::vector<Ref>& refs);
   [[nodiscard]] ChildRef make_leaf(const BinaryNode& node, const std::vector<Ref>& refs);
-  template <class Leaf>
+  template <detail::Order order, class Leaf>
   void walk(const Ray<S>& ray, const S& t_max, const Leaf& leaf) const;
+  [[nodiscard]] static ChildRef push_all_but_nearest(Waiting nearest, const Node& node, const Pack& entry,
+                                                     detail::LaneSet lanes, Waiting* stack, std::size_t& size) noexcept;
   template <class Found>
   void test_leaf(ChildRef leaf, const Ray<S>& ray, const detail::ShearRay<S>& shear, const S& t_max,
                  const Found& found) const;
@@ -195,50 +202,73 @@ void Bvh<S>::collapse(const std::vector<BinaryNode>& binary, const std::vector<R
 
 // ---- queries --------------------------------------------------------------------------------
 
-/// Visits the leaves along the ray, near ones first. `t_max` may shrink meanwhile; `leaf(child)` returns true to stop.
+/// Visits the leaves that the ray enters before `t_max`, which may shrink meanwhile; `leaf(child)` returns true to stop.
 template <std::floating_point S>
-template <class Leaf>
+template <detail::Order order, class Leaf>
 void Bvh<S>::walk(const Ray<S>& ray, const S& t_max, const Leaf& leaf) const {
   if (nodes_.empty()) return;
   const detail::SlabRay<S> slabs(ray);
   std::array<Waiting, k_stack_size> stack;
   std::size_t size = 0;
-  stack[size++] = {ray.t_min, ChildRef::inner(0)};
-  while (size > 0) {
-    const Waiting top = stack[--size];
-    if (top.entry > t_max) continue;
-    if (top.child.is_leaf()) {
-      if (leaf(top.child)) return;
-      continue;
+  ChildRef current = ChildRef::inner(0);
+  for (;;) {
+    if (current.is_leaf()) {
+      if (leaf(current)) return;
+    } else {
+      const Node& node = nodes_[current.node()];
+      const detail::SlabHits<S> hits = detail::intersect(node, slabs, detail::broadcast(t_max));
+      detail::LaneSet lanes = detail::LaneSet::of<S>(hits.mask);
+      if (lanes.any()) {
+        const std::uint32_t lane = lanes.pop();
+        current = node.children[lane];
+        if (!lanes.any()) continue;
+        if constexpr (order == detail::Order::any) {
+          do stack[size++].child = node.children[lanes.pop()];
+          while (lanes.any());
+        } else {
+          current = push_all_but_nearest({hits.entry[lane], current}, node, hits.entry, lanes, stack.data(), size);
+        }
+        continue;
+      }
     }
-    const Node& node = nodes_[top.child.node()];
-    const detail::SlabHits<S> hits = detail::intersect(node, slabs, detail::broadcast(t_max));
-    detail::LaneSet lanes = detail::LaneSet::of<S>(hits.mask);
-    const std::size_t bottom = size;
-    while (lanes.any()) {
-      const std::uint32_t lane = lanes.pop();
-      const Waiting next{hits.entry[lane], node.children[lane]};
-      std::size_t at = size++;
-      for (; at > bottom && stack[at - 1].entry < next.entry; --at) stack[at] = stack[at - 1];
-      stack[at] = next;
-    }
+    do {
+      if (size == 0) return;
+      current = stack[--size].child;
+    } while (order == detail::Order::nearest_first && stack[size].entry > t_max);
   }
 }
 
-/// Calls `found(hit)` for each hit in the leaf at or before `t_max`; stops and returns when it says true.
+/// Of `nearest` and the node's children in `lanes`, returns the one entered first and pushes the others, far ones first.
+template <std::floating_point S>
+auto Bvh<S>::push_all_but_nearest(Waiting nearest, const Node& node, const Pack& entry, detail::LaneSet lanes,
+                                  Waiting* stack, std::size_t& size) noexcept -> ChildRef {
+  const std::size_t bottom = size;
+  do {
+    const std::uint32_t lane = lanes.pop();
+    Waiting next{entry[lane], node.children[lane]};
+    if (next.entry < nearest.entry) std::swap(next, nearest);
+    std::size_t at = size++;
+    for (; at > bottom && stack[at - 1].entry < next.entry; --at) stack[at] = stack[at - 1];
+    stack[at] = next;
+  } while (lanes.any());
+  return nearest.child;
+}
+
+/// Calls `found(hit)` for each hit in the leaf at or before `t_max`.
 template <std::floating_point S>
 template <class Found>
 void Bvh<S>::test_leaf(ChildRef leaf, const Ray<S>& ray, const detail::ShearRay<S>& shear, const S& t_max,
                        const Found& found) const {
   const std::uint32_t end = leaf.first() + leaf.count();
-  for (std::uint32_t i = leaf.first(); i < end; ++i) {
-    if (leaf.is_analytic()) {
+  if (leaf.is_analytic()) {
+    for (std::uint32_t i = leaf.first(); i < end; ++i) {
       const std::uint32_t shape = analytic_[i];
-      Ray<S> clipped = ray;
-      clipped.t_max = t_max;
+      const Ray<S> clipped{ray.origin, ray.direction, ray.t_min, t_max};
       detail::visit_crossings(shapes_, shape, clipped, [&](S t) { found(Hit<S>{t, shape, 0, S(0), S(0)}); });
-      continue;
     }
+    return;
+  }
+  for (std::uint32_t i = leaf.first(); i < end; ++i) {
     const TrianglePack& pack = packs_[i];
     detail::TriangleHits<S> hits = detail::intersect(pack, shear, detail::broadcast(t_max));
     while (hits.lanes.any()) {
@@ -253,7 +283,7 @@ std::optional<Hit<S>> Bvh<S>::closest_hit(const Ray<S>& ray) const noexcept {
   const detail::ShearRay<S> shear(ray);
   std::optional<Hit<S>> closest;
   S t_max = ray.t_max;
-  walk(ray, t_max, [&](ChildRef leaf) {
+  walk<detail::Order::nearest_first>(ray, t_max, [&](ChildRef leaf) {
     test_leaf(leaf, ray, shear, t_max, [&](const Hit<S>& hit) {
       const bool wins = !closest || hit.t < closest->t ||
                         (hit.t == closest->t && std::pair(hit.shape, hit.primitive) <
@@ -272,7 +302,7 @@ template <std::floating_point S>
 bool Bvh<S>::any_hit(const Ray<S>& ray) const noexcept {
   const detail::ShearRay<S> shear(ray);
   bool blocked = false;
-  walk(ray, ray.t_max, [&](ChildRef leaf) {
+  walk<detail::Order::any>(ray, ray.t_max, [&](ChildRef leaf) {
     test_leaf(leaf, ray, shear, ray.t_max, [&](const Hit<S>&) { blocked = true; });
     return blocked;
   });
@@ -283,7 +313,7 @@ template <std::floating_point S>
 template <class Visit>
 void Bvh<S>::all_hits(const Ray<S>& ray, const Visit& visit) const {
   const detail::ShearRay<S> shear(ray);
-  walk(ray, ray.t_max, [&](ChildRef leaf) {
+  walk<detail::Order::any>(ray, ray.t_max, [&](ChildRef leaf) {
     test_leaf(leaf, ray, shear, ray.t_max, visit);
     return false;
   });

@@ -20,7 +20,8 @@ namespace manylight::detail {
 /// Reference to a child: an inner node, or a leaf of `count` neighbours in one of the leaf arrays.
 class ChildRef {
  public:
-  ChildRef() = default;
+  /// Uninitialised: arrays of references stand on the stack of every query.
+  ChildRef() noexcept = default;
   static constexpr std::uint32_t k_max_count = 8;
   static constexpr std::uint32_t k_max_index = (1u << 27) - 1;
 
@@ -41,7 +42,7 @@ class ChildRef {
   explicit ChildRef(std::uint32_t bits) noexcept : bits_(bits) {}
   static constexpr std::uint32_t k_leaf = 1u << 31;
   static constexpr std::uint32_t k_analytic = 1u << 30;
-  std::uint32_t bits_ = 0;
+  std::uint32_t bits_;
 };
 
 /// Bounds of the children, lane by lane; an unused lane is an empty box, which no ray meets.
@@ -50,7 +51,7 @@ struct alignas(64) WideNode {
   static constexpr std::size_t k_width = k_lanes<S>;
   /// planes[2 axis] are the lower, planes[2 axis + 1] the upper ones.
   std::array<Pack<S>, 6> planes;
-  std::array<ChildRef, k_width> children;
+  std::array<ChildRef, k_width> children{};
 
   WideNode() noexcept {
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -183,6 +184,7 @@ template <std::floating_point S>
   const Pack<S> determinant = weight_a + weight_b + weight_c;
   const Pack<S> zero{};
   const PackMask<S> inside = ((lowest >= zero) | (highest <= zero)) & (determinant != zero);
+  if (!LaneSet::of<S>(inside).any()) return {LaneSet::none(), zero, zero, zero};
   const Pack<S> inverse = broadcast(S(1)) / determinant;
   const Pack<S> t = (weight_a * z[0] + weight_b * z[1] + weight_c * z[2]) * inverse * ray.inverse_z;
   const PackMask<S> in_range = (t >= ray.t_min) & (t <= t_max);

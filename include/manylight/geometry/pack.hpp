@@ -74,9 +74,8 @@ class LaneSet {
   [[nodiscard]] static LaneSet of(const PackMask<S>& mask) noexcept {
     return LaneSet(bits<S>(mask));
   }
+  [[nodiscard]] static LaneSet none() noexcept { return LaneSet(0); }
   [[nodiscard]] bool any() const noexcept { return bits_ != 0; }
-  /// At most one lane left.
-  [[nodiscard]] bool at_most_one() const noexcept { return (bits_ & (bits_ - 1)) == 0; }
   std::uint32_t pop() noexcept {
     const auto lane = static_cast<std::uint32_t>(std::countr_zero(bits_)) / k_bits_per_lane;
     bits_ &= bits_ - 1;

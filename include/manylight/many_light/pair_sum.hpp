@@ -57,7 +57,7 @@ class BruteForceSum {
         if (!transfer.is_valid) ++result.statistics.invalid;
         if (is_black(transfer.value)) continue;
         const Rgb<S> value = sensor.vertex.strength * transfer.value * light.strength;
-        if constexpr (Scene::ShaderType::k_may_be_transparent) {
+        if (scene_.has_transparency()) {
           result.radiance += Rgb<double>(value * visibility(scene_, sensor.vertex, light, result.statistics.rays));
         } else {
           batch.rays.push_back(shadow_ray(sensor.vertex, light));

@@ -32,7 +32,7 @@ template <std::floating_point S>
 }
 
 /// Fresnel reflectance of a conductor of complex index eta + i k relative to the outside, for one wavelength.
-/// `cos_i` in [0, 1]. Exact; even in eta and k. [Born and Wolf; the usual a^2 + b^2 form]
+/// `cos_i` in [0, 1]. Exact; even in eta and k. [Born and Wolf 1999]
 template <std::floating_point S>
 [[nodiscard]] inline S fresnel_conductor(S cos_i, S eta, S k) noexcept {
   const S c2 = std::min(cos_i * cos_i, S(1));

@@ -23,7 +23,7 @@ enum class InternalReflectance {
 };
 
 /// Transmittance of a rough dielectric interface as a function of the cosine, tabulated at set-up, immutable and shared
-/// by all closures of one (distribution, alpha, eta). About 0.6 KiB. [Weidlich and Wilkie 2007 use the smooth one]
+/// by all closures of one (distribution, alpha, eta). About 0.6 KiB.
 template <std::floating_point S>
 class RoughTransmittance {
  public:

@@ -56,6 +56,8 @@ class EmissiveShapes {
         disks_.push_back({shapes.disk(shape), emitter_of_shape_[shape]});
       }
     }
+    triangles_.shrink_to_fit();
+    uvs_.shrink_to_fit();
   }
 
   [[nodiscard]] std::uint32_t count() const noexcept {
@@ -112,10 +114,12 @@ class EmissiveShapes {
     return disk_point(disk(primitive), warp::square_to_disk(u));
   }
 
-  /// The cone in which a sphere is seen from outside; none for other primitives and from inside.
+  /// The cone in which a sphere is seen from outside; none for other primitives, from inside, and for spheres that emit
+  /// inwards only: a receiver on the wall of such a sphere may lie outside it by rounding and must see all of it.
   [[nodiscard]] std::optional<SphereCone<S>> cone(std::uint32_t primitive, const Vec3<S>& reference) const noexcept {
     if (primitive < triangles_.size() || primitive >= first_disk()) return std::nullopt;
     const Sphere<S>& s = sphere(primitive);
+    if (s.flip_normals && !emitter(primitive).two_sided) return std::nullopt;
     return SphereCone<S>::seen_from(reference, s.center, s.radius);
   }
   /// The point of a sphere with the given unit outward normal.

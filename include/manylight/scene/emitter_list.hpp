@@ -17,7 +17,7 @@ namespace manylight {
 template <std::floating_point S>
 struct AreaEmitter {
   std::uint32_t shape = 0;  ///< id in `Shapes`; at most one emitter per shape
-  Texture<S> radiance;      ///< W m^-2 sr^-1, looked up by the surface's uv
+  Texture<S> radiance{};    ///< W m^-2 sr^-1, looked up by the surface's uv
   bool two_sided = false;   ///< emits the same radiance on its inner side, too
 };
 
@@ -43,7 +43,7 @@ struct DirectionalEmitter {
 template <std::floating_point S>
 struct EnvironmentEmitter {
   Rgb<S> radiance{1};                               ///< W m^-2 sr^-1; factor on the image, if there is one
-  std::shared_ptr<const Image<S>> image;            ///< at least 2 rows; none: constant
+  std::shared_ptr<const Image<S>> image{};          ///< at least 2 rows; none: constant
   glm::mat<3, 3, S, glm::defaultp> to_world{S(1)};  ///< emitter to world: rotation, mirroring; scale ignored
 };
 

@@ -71,6 +71,8 @@ class Scene {
   [[nodiscard]] const G& geometry() const noexcept { return geometry_; }
   [[nodiscard]] const Emitters<Scalar>& emitters() const noexcept { return emitters_; }
   [[nodiscard]] const Shader& shader(std::uint32_t shape) const noexcept { return shaders_[shader_of_shape_[shape]]; }
+  /// Whether any surface lets light through an opacity mask: then shadow rays must look at what blocks them.
+  [[nodiscard]] bool has_transparency() const noexcept { return has_transparency_; }
 
   /// First surface met by `ray`; a transparent one (opacity mask) is passed with probability 1 - opacity, decided by
   /// variates of `stream`.
@@ -94,6 +96,7 @@ class Scene {
   std::vector<Shader> shaders_;
   std::vector<std::uint32_t> shader_of_shape_;
   Emitters<Scalar> emitters_;
+  bool has_transparency_ = false;
 };
 
 template <class G, class Shader>
@@ -114,6 +117,9 @@ Scene<G, Shader>::Scene(G geometry, std::vector<Shader> shaders, std::vector<std
                        ", allowed: below the number of shaders, " + std::to_string(shaders_.size()));
     }
   }
+  if constexpr (Shader::k_may_be_transparent) {
+    for (const Shader& s : shaders_) has_transparency_ = has_transparency_ || s.is_transparent();
+  }
 }
 
 template <class G, class Shader>
@@ -126,8 +132,8 @@ std::optional<SurfacePoint<typename G::Scalar>> Scene<G, Shader>::intersect(Ray<
     if (!hit) return std::nullopt;
     const SurfacePoint<Scalar> point = surface_point(geometry_.shapes(), ray, *hit);
     if constexpr (Shader::k_may_be_transparent) {
-      const Scalar opacity = shader(point.shape).opacity(point);
-      if (opacity < Scalar(1) && stream.next() >= opacity) {
+      const Shader& surface = shader(point.shape);
+      if (surface.is_transparent() && stream.next() >= surface.opacity(point)) {
         ray = beyond(ray, point);
         continue;
       }
@@ -165,13 +171,14 @@ typename G::Scalar Scene<G, Shader>::transparency(Ray<Scalar> ray, RayCounts& ra
   if constexpr (!Shader::k_may_be_transparent) {
     return Scalar(0);
   } else {
+    if (!has_transparency_) return Scalar(0);
     Scalar passed = Scalar(1);
     for (;;) {
       const std::optional<Hit<Scalar>> hit = geometry_.closest_hit(ray);
       if (!hit) return passed;
       const SurfacePoint<Scalar> point = surface_point(geometry_.shapes(), ray, *hit);
-      const Scalar opacity = shader(point.shape).opacity(point);
-      passed *= Scalar(1) - opacity;
+      const Shader& surface = shader(point.shape);
+      passed *= surface.is_transparent() ? Scalar(1) - surface.opacity(point) : Scalar(0);
       if (passed <= Scalar(0)) return Scalar(0);
       ray = beyond(ray, point);
     }

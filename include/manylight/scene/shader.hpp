@@ -13,8 +13,8 @@ namespace manylight {
 ///  - `material(point, outside)`: the material on the side given by `outside` (true: the side of `point.ng`). A two-sided
 ///    shader sees a frame that was turned to that side already; a one-sided one always sees the shape's own frame;
 ///  - `is_two_sided()`: the frame is turned to the side of the known direction before the material is used;
-///  - `k_may_be_transparent` (static): false removes all opacity code; if true, `opacity(point)` in [0, 1] tells which part
-///    of light the surface stops, the rest goes straight on;
+///  - `k_may_be_transparent` (static): false removes all opacity code; if true, `is_transparent()` tells whether this
+///    surface has an opacity mask and `opacity(point)` in [0, 1] which part of light it stops, the rest goes straight on;
 ///  - `k_may_absorb` (static): false removes all absorption code; if true, `interior_absorption()` is the coefficient
 ///    sigma_a (m^-1) of what a dielectric shape holds.
 template <class T>

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <map>
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "manylight/scene/image.hpp"
+#include "render/file_shader.hpp"
+#include "render/options.hpp"
+#include "scene_file/scene_description.hpp"
+
+namespace manylight::render {
+
+/// What a rendering hands back.
+struct JobResult {
+  Image<float> image;                         ///< W/m^2/sr
+  std::map<std::string, Image<float>> aovs;   ///< by name
+  nlohmann::json statistics;                  ///< see docs/program.md
+};
+
+/// Renders `description` (whose shapes are moved from) as the options say, on the given backend, with surfaces of the
+/// given shader; instantiated in the files job_*.cpp, so that they compile side by side.
+template <class Geometry, class Shader>
+[[nodiscard]] JobResult run_job(scene_file::SceneDescription& description, const Options& options);
+
+}  // namespace manylight::render

@@ -1,0 +1,7 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "manylight/geometry/bvh.hpp"
+#include "render/job_impl.hpp"
+
+namespace manylight::render {
+template JobResult run_job<Bvh<float>, SurfaceFileShader>(scene_file::SceneDescription&, const Options&);
+}  // namespace manylight::render

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <exception>
+#include <filesystem>
+#include <fstream>
+
+#include <fmt/core.h>
+
+#include "image_io/image_io.hpp"
+#include "manylight/core/config.hpp"
+#include "manylight/geometry/bvh.hpp"
+#ifdef MANYLIGHT_HAS_EMBREE
+#include "manylight/geometry/embree.hpp"
+#endif
+#include "render/job.hpp"
+#include "render/progress.hpp"
+#include "scene_file/load_scene.hpp"
+
+namespace manylight::render {
+
+namespace {
+
+/// The narrowest kind of scene that holds all materials.
+template <class Geometry>
+JobResult run_narrowest(scene_file::SceneDescription& description, const Options& options, std::string& kind) {
+  const auto all_fit = [&](auto fits) {
+    return std::all_of(description.materials.begin(), description.materials.end(), fits);
+  };
+  if (all_fit(DiffuseShader::fits)) {
+    kind = "diffuse";
+    return run_job<Geometry, DiffuseShader>(description, options);
+  }
+  if (all_fit(SurfaceFileShader::fits)) {
+    kind = "surfaces";
+    return run_job<Geometry, SurfaceFileShader>(description, options);
+  }
+  kind = "blended surfaces";
+  return run_job<Geometry, BlendedFileShader>(description, options);
+}
+
+JobResult dispatch(scene_file::SceneDescription& description, const Options& options, std::string& kind) {
+#ifdef MANYLIGHT_HAS_EMBREE
+  if (options.backend == Backend::embree) return run_narrowest<EmbreeGeometry>(description, options, kind);
+#endif
+  return run_narrowest<Bvh<float>>(description, options, kind);
+}
+
+void check_outputs(const Options& options) {
+  for (const std::string& file : options.outputs) image_io::check_writable(file);
+  for (const auto& [name, file] : options.aovs) image_io::check_writable(file);
+  const std::filesystem::path folder = std::filesystem::absolute(options.stats).parent_path();
+  if (!options.stats.empty() && !std::filesystem::is_directory(folder)) {
+    throw ParameterError("--stats", "'" + options.stats + "'", "a file in an existing folder");
+  }
+}
+
+/// Written beside the target, then renamed: never half a file.
+void write_text(const std::string& path, const std::string& text) {
+  const std::string temporary = path + ".partial";
+  std::ofstream out(temporary);
+  out << text << '\n';
+  out.close();
+  std::error_code error;
+  if (out) std::filesystem::rename(temporary, path, error);
+  if (!out || error) {
+    std::filesystem::remove(temporary, error);
+    throw Error(path + ": cannot be written");
+  }
+}
+
+scene_file::SceneDescription load(const Options& options) {
+  scene_file::LoadOptions load_options;
+  load_options.defines = options.defines;
+  load_options.is_lenient = options.lenient;
+  scene_file::SceneDescription description = scene_file::load_scene(options.scene, load_options);
+  if (options.width) {
+    description.camera.width = *options.width;
+    description.camera.height = *options.height;
+  }
+  for (const std::string& warning : description.warnings) {
+    if (!options.quiet) fmt::print(stderr, "warning: {}\n", warning);
+  }
+  return description;
+}
+
+void run(const Options& options) {
+  const Stopwatch clock;
+  check_outputs(options);
+  scene_file::SceneDescription description = load(options);
+  const double load_seconds = clock.seconds();
+  std::string kind;
+  JobResult result = dispatch(description, options, kind);
+  const image_io::PngOptions png{options.exposure};
+  for (const std::string& file : options.outputs) image_io::write_image(file, result.image, png);
+  for (const auto& [name, file] : options.aovs) image_io::write_image(file, result.aovs.at(name));
+  nlohmann::json& statistics = result.statistics;
+  statistics["version"] =
+      fmt::format("{}.{}.{}", MANYLIGHT_VERSION_MAJOR, MANYLIGHT_VERSION_MINOR, MANYLIGHT_VERSION_PATCH);
+  statistics["scene_kind"] = kind;
+  statistics["width"] = result.image.width;
+  statistics["height"] = result.image.height;
+  statistics["seconds"]["load"] = load_seconds;
+  statistics["seconds"]["total"] = clock.seconds();
+  if (!options.stats.empty()) write_text(options.stats, statistics.dump(2));
+  if (options.quiet) return;
+  for (const std::string& file : options.outputs) fmt::print("image: {}\n", std::filesystem::absolute(file).string());
+  fmt::print("{} x {} pixels in {:.1f} s (load {:.1f}, build {:.1f}, light {:.1f}, pixels {:.1f}), {:.1f} million rays\n",
+             result.image.width, result.image.height, clock.seconds(), load_seconds,
+             statistics["seconds"]["build"].get<double>(), statistics["seconds"].value("vpls", 0.0),
+             statistics["seconds"]["pixels"].get<double>(),
+             1e-6 * static_cast<double>(statistics["rays"]["closest"].get<std::uint64_t>() +
+                                        statistics["rays"]["shadow"].get<std::uint64_t>()));
+}
+
+}  // namespace
+
+}  // namespace manylight::render
+
+int main(int argc, char** argv) {
+  try {
+    const auto options = manylight::render::parse_options(argc, argv);
+    if (!options) return 0;
+#ifndef MANYLIGHT_HAS_EMBREE
+    if (options->backend == manylight::render::Backend::embree) {
+      throw manylight::ParameterError("--backend", "embree", "bvh (this program was built without Embree)");
+    }
+#endif
+    manylight::render::run(*options);
+    return 0;
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "manylight-render: {}\n", error.what());
+    return 2;
+  }
+}

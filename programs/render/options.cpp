@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "render/options.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <CLI/CLI.hpp>
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+
+#include "manylight/core/config.hpp"
+#include "manylight/core/error.hpp"
+
+namespace manylight::render {
+
+namespace {
+
+/// "name=value" split at the first "="; throws ParameterError.
+std::pair<std::string, std::string> split_assignment(const std::string& option, const std::string& text) {
+  const std::size_t at = text.find('=');
+  if (at == std::string::npos || at == 0 || at + 1 == text.size()) {
+    throw ParameterError(option, "'" + text + "'", "name=value");
+  }
+  return {text.substr(0, at), text.substr(at + 1)};
+}
+
+void set_size(Options& options, const std::string& text) {
+  unsigned width = 0;
+  unsigned height = 0;
+  char rest = 0;
+  // NOLINTNEXTLINE(cert-err34-c): three conversions or the text is rejected
+  if (std::sscanf(text.c_str(), "%5ux%5u%c", &width, &height, &rest) != 2 || width < 1 || height < 1 || width > 32768 ||
+      height > 32768) {
+    throw ParameterError("--size", "'" + text + "'", "WIDTHxHEIGHT, 1 to 32768 pixels each");
+  }
+  options.width = width;
+  options.height = height;
+}
+
+void set_aovs(Options& options, const std::vector<std::string>& texts) {
+  for (const std::string& text : texts) {
+    const auto [name, file] = split_assignment("--aov", text);
+    const auto& known = aov_names();
+    if (std::find(known.begin(), known.end(), name) == known.end()) {
+      throw ParameterError("--aov", "'" + name + "'", fmt::format("{}", fmt::join(known, ", ")));
+    }
+    options.aovs[name] = file;
+  }
+}
+
+template <class T>
+void require_range(const char* name, T value, T lo, T hi) {
+  require(value >= lo && value <= hi, name, value, fmt::format("{} to {}", lo, hi));
+}
+
+void validate(const Options& o) {
+  require_range<std::uint32_t>("--spp", o.spp, 1, 1U << 24U);
+  require_range<std::uint32_t>("--eye-paths", o.eye_paths, 1, 65536);
+  require_range<std::uint64_t>("--vpls", o.vpls, 1, 100'000'000);
+  require_range<double>("--threshold", o.threshold, 0, 1);
+  require_range<std::uint32_t>("--max-cut", o.max_cut, 1, 1U << 30U);
+  require_range<std::uint32_t>("--threads", o.threads, 0, 4096);
+  require(o.clamp_scale >= 0 && std::isfinite(o.clamp_scale), "--clamp", o.clamp_scale, "finite, at least 0");
+  require(o.adaptation_luminance >= 0 && std::isfinite(o.adaptation_luminance), "--adaptation-luminance",
+          o.adaptation_luminance, "finite, at least 0");
+  require(std::isfinite(o.exposure), "--exposure", o.exposure, "finite");
+  if (o.max_depth) require(*o.max_depth == -1 || *o.max_depth >= 1, "--max-depth", *o.max_depth, "-1 or at least 1");
+  if (o.time_limit) {
+    require(*o.time_limit > 0 && std::isfinite(*o.time_limit), "--time-limit", *o.time_limit, "above 0 seconds");
+    require(o.method == Method::path, "--time-limit with method", "not progressive", "path");
+  }
+}
+
+}  // namespace
+
+const std::vector<std::string>& aov_names() {
+  static const std::vector<std::string> names{"albedo", "depth", "normal"};
+  return names;
+}
+
+std::optional<Options> parse_options(int argc, const char* const* argv) {
+  Options o;
+  std::string size;
+  std::vector<std::string> aovs;
+  std::vector<std::string> defines;
+  CLI::App app{"Renders a scene file (Mitsuba XML subset) with many-light methods.", "manylight-render"};
+  const std::map<std::string, Method> methods{{"path", Method::path}, {"vpl", Method::vpl}, {"bdlc", Method::bdlc}};
+  const std::map<std::string, Backend> backends{{"bvh", Backend::bvh}, {"embree", Backend::embree}};
+  const std::map<std::string, SamplerKind> samplers{{"independent", SamplerKind::independent},
+                                                    {"sobol", SamplerKind::sobol}};
+  std::string method = "bdlc";
+  std::string backend = "bvh";
+  std::string sampler = "independent";
+  double time_limit = 0;
+  int max_depth = 0;
+  app.add_option("scene", o.scene, "Scene file, .xml")->required();
+  app.add_option("-m,--method", method, "path (reference), vpl (all pairs), bdlc (bidirectional lightcuts)")
+      ->check(CLI::IsMember(methods))->capture_default_str();
+  app.add_option("-o,--output", o.outputs, "Image to write: .exr, .pfm (linear) or .png; repeatable")->expected(1);
+  app.add_option("--size", size, "Image size in pixels, WxH [from the file]");
+  app.add_option("--spp", o.spp, "Samples per pixel of method path")->capture_default_str();
+  app.add_option("--eye-paths", o.eye_paths, "Eye paths per pixel of the many-light methods")->capture_default_str();
+  app.add_option("--vpls", o.vpls, "Virtual point lights")->capture_default_str();
+  app.add_option("--threshold", o.threshold, "Largest error bound of a cluster relative to the pixel, 0 to 1")
+      ->capture_default_str();
+  app.add_option("--max-cut", o.max_cut, "Most clusters in a pixel's cut")->capture_default_str();
+  auto* depth = app.add_option("--max-depth", max_depth, "Longest path in edges, -1: unlimited [from the file]");
+  app.add_option("--backend", backend, "Ray tracer: bvh (built in) or embree")
+      ->check(CLI::IsMember(backends))->capture_default_str();
+  app.add_option("--sampler", sampler, "Random numbers: independent or sobol (Owen-scrambled)")
+      ->check(CLI::IsMember(samplers))->capture_default_str();
+  app.add_option("--seed", o.seed, "Seed; the same seed gives the same image, whatever the threads")
+      ->capture_default_str();
+  app.add_option("--threads", o.threads, "Threads, 0: all")->capture_default_str();
+  auto* limit = app.add_option("--time-limit", time_limit, "Stop method path after so many seconds, between passes");
+  app.add_option("--clamp", o.clamp_scale, "C_clamp = this x L_a / I_avg; 0: no clamp")->capture_default_str();
+  app.add_option("--adaptation-luminance", o.adaptation_luminance, "L_a in W/m^2/sr, 0: estimated")
+      ->capture_default_str();
+  app.add_flag("--hits-after-dirac-only", o.hits_after_dirac_only,
+               "Count emitters met by eye paths only when seen directly or through mirrors and glass");
+  app.add_option("--stats", o.stats, "Write statistics as JSON to this file");
+  app.add_option("--aov", aovs, "Write an auxiliary image, NAME=FILE: albedo, depth (m), normal; repeatable")
+      ->expected(1);
+  app.add_option("-D", defines, "Set a $parameter of the scene file, name=value; repeatable")->expected(1);
+  app.add_option("--exposure", o.exposure, "Stops by which PNG output is brightened")->capture_default_str();
+  app.add_flag("--lenient", o.lenient, "Replace unknown materials by grey diffuse ones, with a warning each");
+  app.add_flag("-q,--quiet", o.quiet, "Print nothing but errors");
+  app.set_version_flag("--version", fmt::format("manylight-render {}.{}.{}", MANYLIGHT_VERSION_MAJOR,
+                                                MANYLIGHT_VERSION_MINOR, MANYLIGHT_VERSION_PATCH));
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& request) {
+    app.exit(request);
+    return std::nullopt;
+  } catch (const CLI::ParseError& error) {
+    throw Error(error.what());
+  }
+  o.method = methods.at(method);
+  o.backend = backends.at(backend);
+  o.sampler = samplers.at(sampler);
+  if (limit->count() > 0) o.time_limit = time_limit;
+  if (depth->count() > 0) o.max_depth = max_depth;
+  if (!size.empty()) set_size(o, size);
+  set_aovs(o, aovs);
+  for (const std::string& define : defines) o.defines.insert(split_assignment("-D", define));
+  if (o.outputs.empty()) o.outputs.emplace_back("render.exr");
+  validate(o);
+  return o;
+}
+
+}  // namespace manylight::render

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace manylight::render {
+
+enum class Method { path, vpl, bdlc };
+enum class Backend { bvh, embree };
+enum class SamplerKind { independent, sobol };
+
+/// What the command line asks for; absent values are left to the scene file or to the method's default.
+struct Options {
+  std::string scene;
+  Method method = Method::bdlc;
+  std::vector<std::string> outputs;
+  std::optional<std::uint32_t> width, height;
+  std::uint32_t spp = 64;
+  std::uint32_t eye_paths = 64;
+  std::uint64_t vpls = 1'000'000;
+  double threshold = 0.02;
+  std::uint32_t max_cut = 20'000;
+  std::optional<int> max_depth;  ///< edges; -1 unlimited
+  Backend backend = Backend::bvh;
+  SamplerKind sampler = SamplerKind::independent;
+  std::uint64_t seed = 0;
+  std::uint32_t threads = 0;
+  std::optional<double> time_limit;  ///< s
+  double clamp_scale = 1.0 / 800;    ///< 0: no clamp
+  double adaptation_luminance = 0;   ///< 0: estimated
+  bool hits_after_dirac_only = false;
+  std::string stats;
+  std::map<std::string, std::string> aovs;  ///< name -> file
+  std::map<std::string, std::string> defines;
+  float exposure = 0;  ///< stops
+  bool lenient = false;
+  bool quiet = false;
+};
+
+/// Names of the auxiliary images that `--aov` knows.
+[[nodiscard]] const std::vector<std::string>& aov_names();
+
+/// Parses the command line. Prints help or the version and returns nothing if asked for; throws ParameterError.
+[[nodiscard]] std::optional<Options> parse_options(int argc, const char* const* argv);
+
+}  // namespace manylight::render

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "manylight/scattering/texture.hpp"
+#include "scene_file/load_scene.hpp"
+#include "scene_file/properties.hpp"
+#include "scene_file/transforms.hpp"
+
+namespace manylight::scene_file {
+
+/// What all parsers of one file share.
+struct Context {
+  const Document& document;
+  Names names;
+  const LoadOptions& options;
+  SceneDescription scene;
+  std::map<const Element*, std::uint32_t> material_of;  ///< <bsdf> elements met before -> index in scene.materials
+  std::map<std::string, std::shared_ptr<const Texels<float>>> bitmaps;  ///< by path and decoding
+  bool has_default_material = false;
+  std::uint32_t default_material = 0;
+
+  Context(const Document& d, const LoadOptions& o) : document(d), names(d.root), options(o) {}
+};
+
+/// Whether a spectrum is a ratio (reflectance) or power that is sent out: the two are weighted differently.
+enum class SpectrumRole { ratio, emission };
+
+/// Colour of an <rgb>, <srgb>, <spectrum> or <float>, not negative. Throws SceneFileError.
+[[nodiscard]] Rgb<float> parse_color(const Context& context, const Element& element, SpectrumRole role);
+/// The colour called `name`, or `otherwise`.
+[[nodiscard]] Rgb<float> take_color(const Context& context, Properties& properties, const char* name, SpectrumRole role,
+                                    const Rgb<float>& otherwise);
+/// A colour or <texture>. `largest`: upper end of the allowed range of constants.
+[[nodiscard]] std::optional<Texture<float>> take_texture(Context& context, Properties& properties, const char* name,
+                                                         SpectrumRole role, double largest);
+/// Index of the material of a <bsdf>, parsed when first met.
+[[nodiscard]] std::uint32_t material_index(Context& context, const Element& element);
+/// Adds the shape of a <shape>, with its material and emitter.
+void add_shape(Context& context, const Element& element);
+/// Adds the light of a top-level <emitter>.
+void add_emitter(Context& context, const Element& element);
+/// Reads a <sensor> into the scene's camera and filter.
+void read_sensor(Context& context, const Element& element);
+
+/// Meshes of a file: OBJ, PLY or glTF by assimp, all of it merged. `flips_v`: texture coordinates count from the bottom.
+[[nodiscard]] TriangleMesh<float> read_mesh(const Element& element, const std::filesystem::path& path, bool flips_v);
+/// Mesh number `index` of a Mitsuba .serialized file.
+[[nodiscard]] TriangleMesh<float> read_serialized(const Element& element, const std::filesystem::path& path, int index);
+
+}  // namespace manylight::scene_file

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+// <sensor> elements: camera, film and filter.
+#include <cmath>
+
+#include "scene_file/context.hpp"
+
+namespace manylight::scene_file {
+
+namespace {
+
+void read_filter(Context& context, const Element& element) {
+  Properties p(element, context.names);
+  const std::string& type = element.get("type");
+  if (type == "box") {
+    p.ignore({"radius"});
+    context.scene.filter = ReconstructionFilter<float>::box();
+  } else if (type == "tent") {
+    context.scene.filter = ReconstructionFilter<float>::tent(static_cast<float>(p.positive("radius", 1.0)));
+  } else if (type == "gaussian") {
+    context.scene.filter = ReconstructionFilter<float>::gaussian(static_cast<float>(p.positive("stddev", 0.5)));
+  } else {
+    fail(element, "unknown filter; supported are box, tent and gaussian");
+  }
+  p.finish();
+}
+
+std::uint32_t take_extent(Properties& p, const char* name, std::uint32_t otherwise) {
+  const auto pixels = p.integer(name);
+  if (!pixels) return otherwise;
+  if (*pixels < 1 || *pixels > 32768) {
+    fail(p.element(), std::string(name) + " is " + std::to_string(*pixels) + ", allowed: 1 to 32768 pixels");
+  }
+  return static_cast<std::uint32_t>(*pixels);
+}
+
+void read_film(Context& context, const Element& element) {
+  Properties p(element, context.names);
+  const std::string& type = element.get("type");
+  if (type != "hdrfilm" && type != "ldrfilm" && type != "mfilm") {
+    fail(element, "unknown film; supported are hdrfilm and ldrfilm");
+  }
+  CameraDescription& camera = context.scene.camera;
+  camera.width = take_extent(p, "width", camera.width);
+  camera.height = take_extent(p, "height", camera.height);
+  for (const Properties::Item* filter : p.take_all("rfilter")) read_filter(context, *filter->element);
+  p.ignore({"file_format", "pixel_format", "component_format", "gamma", "exposure", "banner", "high_quality_edges",
+            "attach_log", "tonemap_method", "key", "burn"});
+  p.finish();
+}
+
+FovAxis take_axis(Properties& p) {
+  const std::string name = p.text("fov_axis").value_or("x");
+  if (name == "x") return FovAxis::x;
+  if (name == "y") return FovAxis::y;
+  if (name == "diagonal") return FovAxis::diagonal;
+  if (name == "smaller") return FovAxis::smaller;
+  if (name == "larger") return FovAxis::larger;
+  fail(p.element(), "unknown fov_axis '" + name + "'; supported are x, y, diagonal, smaller and larger");
+}
+
+}  // namespace
+
+void read_sensor(Context& context, const Element& element) {
+  const std::string& type = element.get("type");
+  if (type != "perspective" && type != "thinlens") fail(element, "unknown sensor; supported are perspective and thinlens");
+  Properties p(element, context.names);
+  CameraDescription& camera = context.scene.camera;
+  camera.to_world = take_transform(p, "to_world");
+  camera.fov_axis = take_axis(p);
+  camera.fov_degrees = static_cast<float>(p.positive("fov", 50.0));
+  if (!(camera.fov_degrees < 180)) fail(element, "fov is out of range, allowed: above 0, below 180 degrees");
+  const double focus = p.positive("focus_distance", 1.0);
+  if (type == "thinlens") {
+    camera.aperture_radius = static_cast<float>(p.positive("aperture_radius", 0.1));
+    camera.focus_distance = static_cast<float>(focus);
+  }
+  for (const Properties::Item* film : p.take_all("film")) read_film(context, *film->element);
+  p.ignore_tags({"sampler"});
+  p.ignore({"near_clip", "far_clip", "shutter_open", "shutter_close"});
+  p.finish();
+}
+
+float horizontal_fov_degrees(const CameraDescription& camera) {
+  const double aspect = static_cast<double>(camera.width) / camera.height;
+  const double half = std::tan(static_cast<double>(camera.fov_degrees) * k_pi<double> / 360.0);
+  double half_x = half;
+  switch (camera.fov_axis) {
+    case FovAxis::x: break;
+    case FovAxis::y: half_x = half * aspect; break;
+    case FovAxis::diagonal: half_x = half * aspect / std::sqrt(1.0 + aspect * aspect); break;
+    case FovAxis::smaller: half_x = aspect > 1.0 ? half * aspect : half; break;
+    case FovAxis::larger: half_x = aspect > 1.0 ? half : half * aspect; break;
+  }
+  return static_cast<float>(std::atan(half_x) * 360.0 / k_pi<double>);
+}
+
+}  // namespace manylight::scene_file

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: Apache-2.0
+// <shape> elements.
+#include "manylight/geometry/mesh_builders.hpp"
+#include "manylight/geometry/transform.hpp"
+#include "manylight/geometry/validate.hpp"
+#include "manylight/geometry/vertex_normals.hpp"
+#include "scene_file/context.hpp"
+
+namespace manylight::scene_file {
+
+namespace {
+
+const char* const k_supported =
+    "unknown shape; supported are obj, ply, gltf, serialized, rectangle, cube, sphere and disk";
+
+std::filesystem::path take_file(Context& context, Properties& p) {
+  const auto name = p.text("filename");
+  if (!name) fail(p.element(), "needs a filename");
+  return context.document.resolve(p.element(), *name);
+}
+
+/// Normals as the file or its options want them. The peer computes smooth normals for meshes that bring none.
+void set_normals(Properties& p, TriangleMesh<float>& mesh) {
+  const bool face_normals = p.flag("face_normals", false);
+  const auto max_angle = p.number("max_smooth_angle");
+  if (max_angle && !(*max_angle >= 0 && *max_angle <= 180)) {
+    fail(p.element(), "max_smooth_angle is out of range, allowed: 0 to 180 degrees");
+  }
+  if (face_normals) {
+    mesh.normals.clear();
+  } else if (max_angle) {
+    compute_smooth_normals(mesh, static_cast<float>(*max_angle));
+  } else if (mesh.normals.empty()) {
+    compute_vertex_normals(mesh);
+  }
+}
+
+TriangleMesh<float> mesh_of(Context& context, Properties& p, const std::string& type, const glm::mat4& to_world) {
+  if (type == "rectangle") return rectangle_mesh<float>(to_world);
+  if (type == "cube") return cube_mesh<float>(to_world);
+  const std::filesystem::path path = take_file(context, p);
+  TriangleMesh<float> mesh;
+  if (type == "serialized") {
+    mesh = read_serialized(p.element(), path, p.integer("shape_index").value_or(0));
+  } else {
+    const bool flips = p.flag("flip_tex_coords", type != "ply");
+    mesh = read_mesh(p.element(), path, flips);
+  }
+  validate(mesh, path.string());
+  set_normals(p, mesh);
+  return transform(std::move(mesh), to_world);
+}
+
+/// The coefficient of a purely absorbing interior; black without one.
+Rgb<float> take_absorption(Context& context, Properties& p) {
+  const Element* medium = p.take("interior");
+  if (p.take("exterior") != nullptr) fail(p.element(), "an exterior medium: participating media are not supported yet");
+  if (medium == nullptr) return Rgb<float>(0);
+  Properties m(*medium, context.names);
+  const char* const unsupported = "participating media are not supported yet, only homogeneous absorption";
+  if (medium->get("type") != "homogeneous") fail(*medium, unsupported);
+  const Rgb<float> sigma_s = take_color(context, m, "sigma_s", SpectrumRole::ratio, Rgb<float>(0));
+  const Rgb<float> sigma_a = take_color(context, m, "sigma_a", SpectrumRole::ratio, Rgb<float>(0));
+  const Rgb<float> sigma_t = take_color(context, m, "sigma_t", SpectrumRole::ratio, sigma_a);
+  const Rgb<float> albedo = take_color(context, m, "albedo", SpectrumRole::ratio, Rgb<float>(0));
+  const auto scale = static_cast<float>(m.positive("scale", 1.0));
+  if (!is_black(sigma_s) || !is_black(albedo)) fail(*medium, unsupported);
+  m.ignore_tags({"phase"});
+  m.finish();
+  return sigma_t * scale;
+}
+
+std::uint32_t take_material(Context& context, Properties& p) {
+  const auto bsdfs = p.take_all("bsdf");
+  if (bsdfs.size() > 1) fail(*bsdfs[1]->place, "is the second material of this shape");
+  if (!bsdfs.empty()) return material_index(context, *bsdfs.front()->element);
+  if (!context.has_default_material) {
+    context.has_default_material = true;
+    context.default_material = static_cast<std::uint32_t>(context.scene.materials.size());
+    context.scene.materials.emplace_back().name = "default";
+  }
+  return context.default_material;
+}
+
+void take_area_emitter(Context& context, Properties& p, std::uint32_t shape) {
+  const auto emitters = p.take_all("emitter");
+  if (emitters.size() > 1) fail(*emitters[1]->place, "is the second emitter of this shape");
+  if (emitters.empty()) return;
+  const Element& element = *emitters.front()->element;
+  if (element.get("type") != "area") fail(element, "unknown emitter of a shape; supported is area");
+  Properties e(element, context.names);
+  auto radiance = take_texture(context, e, "radiance", SpectrumRole::emission, 3e38);
+  if (!radiance) radiance = take_texture(context, e, "intensity", SpectrumRole::emission, 3e38);
+  e.ignore({"sampling_weight"});
+  e.finish();
+  context.scene.emitters.areas.push_back({shape, radiance.value_or(Texture<float>(1.0F)), false});
+}
+
+}  // namespace
+
+void add_shape(Context& context, const Element& element) {
+  const std::string& type = element.get("type");
+  Properties p(element, context.names);
+  const glm::mat4 to_world = take_transform(p, "to_world");
+  const bool flips = p.flag("flip_normals", false);
+  Shapes<float>& shapes = context.scene.shapes;
+  // Ids count meshes, spheres, disks; infos are kept in file order and sorted at the end (see finish_shapes).
+  if (type == "sphere") {
+    Sphere<float> sphere;
+    sphere.center = p.vector("center").value_or(Vec3<float>(0));
+    sphere.radius = static_cast<float>(p.positive("radius", 1.0));
+    sphere = transform(sphere, to_world);
+    sphere.flip_normals = sphere.flip_normals != flips;
+    validate(sphere, element.describe());
+    shapes.spheres.push_back(sphere);
+  } else if (type == "disk") {
+    Disk<float> disk = transform(Disk<float>{}, to_world);
+    if (flips) disk.normal = -disk.normal;
+    validate(disk, element.describe());
+    shapes.disks.push_back(disk);
+  } else if (type == "obj" || type == "ply" || type == "gltf" || type == "serialized" || type == "rectangle" ||
+             type == "cube") {
+    TriangleMesh<float> mesh = mesh_of(context, p, type, to_world);
+    mesh.flip_normals = mesh.flip_normals != flips;
+    shapes.meshes.push_back(std::move(mesh));
+  } else {
+    fail(element, k_supported);
+  }
+  ShapeDescription info;
+  info.name = element.has("id") ? element.get("id") : element.describe();
+  info.interior_absorption = take_absorption(context, p);
+  info.material = take_material(context, p);
+  take_area_emitter(context, p, static_cast<std::uint32_t>(context.scene.shape_infos.size()));
+  context.scene.shape_infos.push_back(std::move(info));
+  p.finish();
+}
+
+}  // namespace manylight::scene_file
