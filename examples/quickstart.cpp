@@ -5,17 +5,17 @@
 using namespace manylight;
 
 int main() {
-  Shapes<float> shapes;  // in metres; ids count spheres before disks
-  shapes.spheres = {{.center = {-0.7F, 0.5F, 0}, .radius = 0.5F}, {.center = {0.6F, 0.7F, -0.5F}, .radius = 0.7F}};
-  shapes.disks = {{.normal = {0, 1, 0}, .radius = 5}, {.center = {1, 3, 1}, .normal = {0, -1, 0}, .radius = 0.8F}};
-  using Shader = UniformShader<Lambertian<float>>;
-  const std::vector<Shader> paints = {{{Rgb<float>(0.8F, 0.3F, 0.1F)}}, {{Rgb<float>(0.7F)}}};
-  EmitterList<float> lights;
-  lights.areas = {{.shape = 3, .radiance = Texture<float>(Rgb<float>(12))}};
-  lights.environments = {{.radiance = {0.05F, 0.08F, 0.15F}}};
-  const Scene<Bvh<float>, Shader> scene(Bvh<float>(shapes), paints, {0, 1, 1, 1}, lights);
+  Shapes<float> shapes;  // metres; the camera sits at the origin and looks along +z, +y is up, +x to the left
+  shapes.spheres = {{.center = {0.7F, -0.5F, 5}, .radius = 0.5F}, {.center = {-0.5F, -0.3F, 5.6F}, .radius = 0.7F}};
+  shapes.disks = {{.center = {0, -1, 5}, .normal = {0, 1, 0}, .radius = 4},
+                  {.center = {1, 2, 4}, .normal = {0, -1, 0}, .radius = 0.5F}};
+  EmitterList<float> emitters;  // a lamp: shape 3, as ids count spheres before disks; and the sky
+  emitters.areas = {{.shape = 3, .radiance = Rgb<float>(20)}};
+  emitters.environments = {{.radiance = {0.1F, 0.2F, 0.4F}}};
+  const std::vector<UniformShader<Lambertian<float>>> shaders = {{{Rgb<float>(0.8F, 0.2F, 0.1F)}}, {{Rgb<float>(0.7F)}}};
+  const Scene scene(Bvh<float>(shapes), shaders, {0, 1, 1, 1}, emitters);
+  const PerspectiveCamera<float> camera({.horizontal_fov = 40, .width = 320, .height = 200});
 
-  const auto camera = look_at<float>({0, 1.2F, 5}, {0, 0.6F, 0}, {0, 1, 0}, 40, 320, 200);
   const auto image = bidirectional_lightcuts(scene, camera, {.vpls = 20'000, .eye_paths = 16});
 
   std::ofstream file("quickstart.ppm", std::ios::binary);

@@ -48,8 +48,8 @@ JobResult dispatch(scene_file::SceneDescription& description, const Options& opt
 void check_outputs(const Options& options) {
   for (const std::string& file : options.outputs) image_io::check_writable(file);
   for (const auto& [name, file] : options.aovs) image_io::check_writable(file);
-  const std::filesystem::path folder = std::filesystem::absolute(options.stats).parent_path();
-  if (!options.stats.empty() && !std::filesystem::is_directory(folder)) {
+  if (options.stats.empty()) return;
+  if (!std::filesystem::is_directory(std::filesystem::absolute(options.stats).parent_path())) {
     throw ParameterError("--stats", "'" + options.stats + "'", "a file in an existing folder");
   }
 }

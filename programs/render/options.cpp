@@ -96,7 +96,7 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
   app.add_option("scene", o.scene, "Scene file, .xml")->required();
   app.add_option("-m,--method", method, "path (reference), vpl (all pairs), bdlc (bidirectional lightcuts)")
       ->check(CLI::IsMember(methods))->capture_default_str();
-  app.add_option("-o,--output", o.outputs, "Image to write: .exr, .pfm (linear) or .png; repeatable")->expected(1);
+  app.add_option("-o,--output", o.outputs, "Image to write: .exr, .pfm (linear) or .png; repeatable")->allow_extra_args(false);
   app.add_option("--size", size, "Image size in pixels, WxH [from the file]");
   app.add_option("--spp", o.spp, "Samples per pixel of method path")->capture_default_str();
   app.add_option("--eye-paths", o.eye_paths, "Eye paths per pixel of the many-light methods")->capture_default_str();
@@ -120,8 +120,8 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
                "Count emitters met by eye paths only when seen directly or through mirrors and glass");
   app.add_option("--stats", o.stats, "Write statistics as JSON to this file");
   app.add_option("--aov", aovs, "Write an auxiliary image, NAME=FILE: albedo, depth (m), normal; repeatable")
-      ->expected(1);
-  app.add_option("-D", defines, "Set a $parameter of the scene file, name=value; repeatable")->expected(1);
+      ->allow_extra_args(false);
+  app.add_option("-D", defines, "Set a $parameter of the scene file, name=value; repeatable")->allow_extra_args(false);
   app.add_option("--exposure", o.exposure, "Stops by which PNG output is brightened")->capture_default_str();
   app.add_flag("--lenient", o.lenient, "Replace unknown materials by grey diffuse ones, with a warning each");
   app.add_flag("-q,--quiet", o.quiet, "Print nothing but errors");

@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 #include <type_traits>
@@ -162,28 +163,36 @@ TYPED_TEST_P(BackendSuite, ZeroAreaIsNeverHit) {
   }
 }
 
-// Oracle: a ray from inside a closed surface meets it. Aimed at the vertices and at points of the edges, where
-// rounding decides between neighbours.
+/// Share of rays aimed exactly at a vertex that a backend may lose. Bvh: none.
+template <class G>
+inline constexpr double k_lost_at_vertices = 0;
+
+// Oracle: a ray from inside a closed surface meets it. Aimed at points of the edges and at the vertices, where rounding
+// decides between neighbours.
 TYPED_TEST_P(BackendSuite, ClosedMeshesHaveNoCracks) {
   using S = typename TypeParam::Scalar;
+  constexpr int k_rays = 60000;
   for (const Placement& placement : k_placements) {
     Shapes<S> shapes;
     shapes.meshes.push_back(rippled_sphere<S>(24, 0.1, placement));
     const TypeParam geometry(shapes);
     const TriangleMesh<S>& mesh = geometry.shapes().meshes[0];
     Random random(21);
-    std::size_t lost = 0;
-    for (int i = 0; i < 60000; ++i) {
+    std::size_t lost_at_edges = 0;
+    std::size_t lost_at_vertices = 0;
+    for (int i = 0; i < k_rays; ++i) {
       const auto& corner = mesh.triangles[static_cast<std::size_t>(random.next() * double(mesh.triangles.size()))];
       const Vec3<double> a(mesh.positions[corner[0]]);
       const Vec3<double> b(mesh.positions[corner[1]]);
-      const double along = i % 3 == 0 ? 0.0 : random.next();
+      const bool at_vertex = i % 3 == 0;
       const Vec3<S> origin = place<S>(0.3 * random.in_cube(), placement);
-      const Vec3<S> target(a + (b - a) * along);
+      const Vec3<S> target(a + (b - a) * (at_vertex ? 0.0 : random.next()));
       const Ray<S> ray{origin, target - origin};
-      if (!geometry.closest_hit(ray) || !geometry.any_hit(ray)) ++lost;
+      const bool lost = !geometry.closest_hit(ray) || !geometry.any_hit(ray);
+      (at_vertex ? lost_at_vertices : lost_at_edges) += lost ? 1 : 0;
     }
-    EXPECT_EQ(lost, 0u) << placement.name;
+    EXPECT_EQ(lost_at_edges, 0u) << placement.name;
+    EXPECT_LE(double(lost_at_vertices), k_lost_at_vertices<TypeParam> * k_rays / 3) << placement.name;
   }
 }
 

@@ -9,6 +9,7 @@
 #include "manylight/core/vector.hpp"
 #include "manylight/core/warp.hpp"
 #include "manylight/geometry/mesh_builders.hpp"
+#include "manylight/geometry/ray.hpp"
 #include "manylight/geometry/shapes.hpp"
 
 namespace manylight::test {

@@ -26,8 +26,10 @@ struct DirectionCone {
 template <std::floating_point S>
 [[nodiscard]] inline DirectionCone<S> unite(const DirectionCone<S>& a, const DirectionCone<S>& b) noexcept {
   if (a.is_full() || b.is_full()) return {};
-  const DirectionCone<S>& wide = a.cos_half <= b.cos_half ? a : b;
-  const DirectionCone<S>& narrow = a.cos_half <= b.cos_half ? b : a;
+  // By the angle: cosines of narrow cones all round to 1.
+  const bool a_is_wide = a.half_angle() >= b.half_angle();
+  const DirectionCone<S>& wide = a_is_wide ? a : b;
+  const DirectionCone<S>& narrow = a_is_wide ? b : a;
   const Vec3<S> cross = glm::cross(wide.axis, narrow.axis);
   const S between = std::atan2(glm::length(cross), glm::dot(wide.axis, narrow.axis));
   const S wide_half = wide.half_angle();
@@ -36,10 +38,14 @@ template <std::floating_point S>
   const S slack = S(64) * std::numeric_limits<S>::epsilon();  // of atan2, the rotation and the cosines below
   const S half = (wide_half + reach) / 2 + slack;
   if (!(half < k_pi<S>)) return {};
-  const S turn = half - wide_half;  // rotate the wide axis towards the narrow one
-  const S cross_length = glm::length(cross);
-  if (!(cross_length > S(0))) return {};  // opposite axes: no plane to rotate in
-  const Vec3<S> across = glm::cross(cross / cross_length, wide.axis);
+  // Rotate the wide axis towards the narrow one. Next to equal or opposite axes the plane to rotate in is rounding
+  // noise: equal ones lie within the slack, opposite ones have no small cone.
+  if (!(glm::length(cross) > S(8) * std::numeric_limits<S>::epsilon())) {
+    if (between > S(1)) return {};
+    return {wide.axis, std::cos(reach + slack), std::sin(reach + slack)};
+  }
+  const S turn = half - wide_half;
+  const Vec3<S> across = glm::normalize(glm::cross(cross, wide.axis));
   const Vec3<S> axis = glm::normalize(wide.axis * std::cos(turn) + across * std::sin(turn));
   return {axis, std::cos(half), std::sin(half)};
 }
@@ -54,7 +60,8 @@ template <std::floating_point S>
   const S cosine = std::clamp(glm::dot(a.axis, b.axis), S(-1), S(1));
   if (cosine >= cos_sum) return S(1);
   const S rounding = S(16) * std::numeric_limits<S>::epsilon();
-  return std::min(S(1), cosine * cos_sum + safe_sqrt(S(1) - cosine * cosine) * sin_sum + rounding);
+  // The sine by the cross product: sqrt(1 - cosine^2) loses half its digits at nearly opposite axes.
+  return std::min(S(1), cosine * cos_sum + glm::length(glm::cross(a.axis, b.axis)) * sin_sum + rounding);
 }
 
 /// Lower bound of the angle between u in `a` and v in `b`, rad.

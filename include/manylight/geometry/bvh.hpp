@@ -206,7 +206,8 @@ void Bvh<S>::collapse(const std::vector<BinaryNode>& binary, const std::vector<R
 template <std::floating_point S>
 template <detail::Order order, class Leaf>
 void Bvh<S>::walk(const Ray<S>& ray, const S& t_max, const Leaf& leaf) const {
-  if (nodes_.empty()) return;
+  // A ray that is not finite would enter every box, unused lanes included.
+  if (nodes_.empty() || !detail::is_traceable(ray)) return;
   const detail::SlabRay<S> slabs(ray);
   std::array<Waiting, k_stack_size> stack;
   std::size_t size = 0;

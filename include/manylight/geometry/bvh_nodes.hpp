@@ -70,6 +70,14 @@ struct alignas(64) WideNode {
   }
 };
 
+/// Whether all coordinates are finite, in one comparison.
+template <std::floating_point S>
+[[nodiscard]] inline bool is_traceable(const Ray<S>& ray) noexcept {
+  const Vec3<S> sum = ray.origin + ray.direction;
+  const S total = sum.x + sum.y + sum.z;
+  return total - total == S(0);
+}
+
 /// A ray prepared for slab tests.
 template <std::floating_point S>
 struct SlabRay {

@@ -10,6 +10,11 @@
 //   s*, l*        representative pair       eps, floor    CutConfig
 //
 //   UB = min( (w M)_ub  T_ub  D_ub , C_clamp )   with weights folded in as in the theory sheet, section 6.5.
+//
+// Departure: the paper keeps one representative per gather node. Then all light clusters that meet an unsplit gather node
+// see the same sensor, and their errors, each below the threshold, add up with one sign: pixels in the corner of three
+// walls came out at a third of their value. Here every new cluster pair draws its own sensor; a split still hands the
+// parent's pair to exactly one child, so that it costs one new evaluation.
 
 #include <algorithm>
 #include <cstdint>
@@ -60,7 +65,7 @@ class CutSum {
     std::uint32_t gather;
     std::uint32_t light;
     std::uint32_t sensor;  ///< s*
-    std::uint32_t vpl;     ///< l*
+    std::uint64_t key;     ///< s* is the gather node's representative for it
 
     /// Heap order: worst error first, ties by ids, never by address.
     friend bool operator<(const Entry& a, const Entry& b) noexcept {
@@ -79,8 +84,11 @@ class CutSum {
   }
   [[nodiscard]] S upper_bound(const GatherNode<S>& gather, const LightNode<S>& light) const noexcept;
   [[nodiscard]] bool splits_gather(const GatherNode<S>& gather, const LightNode<S>& light) const noexcept;
-  Entry make(std::uint32_t gather, std::uint32_t light, const Entry* parent);
-  void evaluate(Entry& entry);
+  /// The entry of a cluster pair with a representative of its own.
+  [[nodiscard]] Entry fresh(std::uint32_t gather, std::uint32_t light);
+  /// The entry of a cluster pair that holds its parent's representative.
+  [[nodiscard]] Entry inherited(std::uint32_t gather, std::uint32_t light, const Entry& parent) const;
+  void evaluate(Entry& entry, S bound);
   void push(const Entry& entry);
   void split(const Entry& entry);
 
@@ -106,9 +114,9 @@ PairSumResult CutSum<Scene, W>::operator()(const std::vector<Sensor<Scene, W>>& 
   leaves_.clear();
   if (sensors.empty()) return {};
   key_ = mix_bits(key);
-  gather_.build(sensors, weighting_, key_);
+  gather_.build(sensors, weighting_);
   total_ = known;
-  for (const std::uint32_t root : lights_.roots()) push(make(0, root, nullptr));
+  for (const std::uint32_t root : lights_.roots()) push(fresh(0, root));
   while (!heap_.empty()) {
     const double allowed = config_.threshold * std::max(luminance(total_), config_.floor);
     if (heap_.front().error <= allowed) break;
@@ -163,37 +171,41 @@ bool CutSum<Scene, W>::splits_gather(const GatherNode<S>& gather, const LightNod
   return gather_size > light_size;
 }
 
-/// The entry of a cluster pair; a child that holds its parent's representative pair takes over its value.
 template <class Scene, Weighting W>
-auto CutSum<Scene, W>::make(std::uint32_t gather, std::uint32_t light, const Entry* parent) -> Entry {
-  Entry entry{};
+auto CutSum<Scene, W>::inherited(std::uint32_t gather, std::uint32_t light, const Entry& parent) const -> Entry {
+  Entry entry = parent;
   entry.gather = gather;
   entry.light = light;
   const GatherNode<S>& c = gather_.node(gather);
   const LightNode<S>& l = lights_.node(light);
-  entry.sensor = c.representative;
-  entry.vpl = lights_.representative(light, slot(entry.sensor));
-  const S bound = upper_bound(c, l);
-  entry.error = static_cast<double>(luminance(c.strength * l.intensity)) * static_cast<double>(bound);
-  if (parent != nullptr && parent->sensor == entry.sensor && parent->vpl == entry.vpl) {
-    entry.unit = parent->unit;
-  } else if (bound > S(0)) {
-    evaluate(entry);
-  }
-  if (c.is_leaf && l.is_leaf) entry.error = 0;
+  entry.error = c.is_leaf && l.is_leaf ? 0 : static_cast<double>(luminance(c.strength * l.intensity) * upper_bound(c, l));
   return entry;
 }
 
 template <class Scene, Weighting W>
-void CutSum<Scene, W>::evaluate(Entry& entry) {
+auto CutSum<Scene, W>::fresh(std::uint32_t gather, std::uint32_t light) -> Entry {
+  Entry entry{};
+  entry.gather = gather;
+  entry.light = light;
+  entry.key = mix_bits(key_ ^ ((std::uint64_t{gather} << 32) | light));
+  entry.sensor = gather_.representative(gather, entry.key);
+  const GatherNode<S>& c = gather_.node(gather);
+  const LightNode<S>& l = lights_.node(light);
+  const S bound = upper_bound(c, l);
+  entry.error = c.is_leaf && l.is_leaf ? 0 : static_cast<double>(luminance(c.strength * l.intensity) * bound);
+  if (bound > S(0)) evaluate(entry, bound);
+  return entry;
+}
+
+template <class Scene, Weighting W>
+void CutSum<Scene, W>::evaluate(Entry& entry, S bound) {
   const Sensor<Scene, W>& sensor = gather_.sensor(entry.sensor);
-  const VertexOf<Scene>& light = lights_.vpl(entry.vpl);
+  const VertexOf<Scene>& light = lights_.vpl(lights_.representative(entry.light, slot(entry.sensor)));
   ++statistics_.pairs;
   const Transfer<S> transfer =
       unoccluded_transfer<Scene>(weighting_, sensor, light, scene_.emitters().scene_radius(), max_edges_);
   if (!transfer.is_valid) ++statistics_.invalid;
   if (is_black(transfer.value)) return;
-  const S bound = upper_bound(gather_.node(entry.gather), lights_.node(entry.light));
   if (max_channel(transfer.value) > bound * S(1.00001)) ++statistics_.bound_violations;  // rounding of the product
   const S visible = visibility(scene_, sensor.vertex, light, statistics_.rays);
   entry.unit = transfer.value * (sensor.vertex.strength / luminance(sensor.vertex.strength)) *
@@ -216,9 +228,14 @@ void CutSum<Scene, W>::split(const Entry& entry) {
   total_ -= estimate(entry);
   const GatherNode<S>& gather = gather_.node(entry.gather);
   const LightNode<S>& light = lights_.node(entry.light);
-  for (std::uint32_t i = 0; i < 2; ++i) {
-    push(splits_gather(gather, light) ? make(gather.child + i, entry.light, &entry)
-                                      : make(entry.gather, light.child + i, &entry));
+  const bool on_gather = splits_gather(gather, light);
+  const std::uint32_t first = on_gather ? gather.child : light.child;
+  const std::uint32_t heir = on_gather ? gather_.inheriting_child(entry.gather, entry.key)
+                                       : lights_.inheriting_child(entry.light, slot(entry.sensor));
+  for (std::uint32_t child = first; child < first + 2; ++child) {
+    const std::uint32_t g = on_gather ? child : entry.gather;
+    const std::uint32_t l = on_gather ? entry.light : child;
+    push(child == heir ? inherited(g, l, entry) : fresh(g, l));
   }
 }
 

@@ -27,7 +27,6 @@ struct GatherNode {
   S cap = S(0);              ///< limit of the weighted pattern, sr^-1; infinite if nothing is known
   S remaining = S(0);        ///< largest 1 - W of the sensors, see SensorLimit
   std::uint32_t child = 0;   ///< index of the first child, the second follows; of the sensor in a leaf
-  std::uint32_t representative = 0;  ///< index of the sensor, chosen with probability S / S_node
   bool is_leaf = true;
   bool has_gloss = false;
   bool has_both_sides = false;  ///< light from below the shading normal may be scattered
@@ -48,16 +47,29 @@ class GatherTree {
  public:
   using S = typename Scene::Scalar;
 
-  /// Rebuilds the tree over `sensors` (at least one), which must outlive it. `key` seeds the choice of representatives.
-  void build(const std::vector<Sensor<Scene, W>>& sensors, const W& weighting, std::uint64_t key);
+  /// Rebuilds the tree over `sensors` (at least one), which must outlive it.
+  void build(const std::vector<Sensor<Scene, W>>& sensors, const W& weighting);
 
   [[nodiscard]] const GatherNode<S>& node(std::uint32_t i) const noexcept { return nodes_[i]; }
   [[nodiscard]] const Sensor<Scene, W>& sensor(std::uint32_t i) const noexcept { return (*sensors_)[i]; }
   [[nodiscard]] std::size_t size() const noexcept { return nodes_.size(); }
 
+  /// The child of inner node `i` that holds the node's representative for `key`: chosen with probability S / S_node by a
+  /// hash, so that different keys give independent representatives.
+  [[nodiscard]] std::uint32_t inheriting_child(std::uint32_t i, std::uint64_t key) const noexcept {
+    const std::uint32_t child = nodes_[i].child;
+    const S u = to_unit_interval<S>(static_cast<std::uint32_t>(mix_bits(key + i) >> 32));
+    return u * (nodes_[child].luminance + nodes_[child + 1].luminance) < nodes_[child].luminance ? child : child + 1;
+  }
+  /// Index of the sensor that represents node `i` for `key`. O(depth).
+  [[nodiscard]] std::uint32_t representative(std::uint32_t i, std::uint64_t key) const noexcept {
+    while (!nodes_[i].is_leaf) i = inheriting_child(i, key);
+    return nodes_[i].child;
+  }
+
  private:
   [[nodiscard]] GatherNode<S> leaf(const W& weighting, std::uint32_t sensor) const;
-  [[nodiscard]] GatherNode<S> combine(std::uint32_t child, std::uint64_t key) const;
+  [[nodiscard]] GatherNode<S> combine(std::uint32_t child) const;
 
   const std::vector<Sensor<Scene, W>>* sensors_ = nullptr;
   std::vector<ClusterItem<S>> items_;
@@ -65,7 +77,7 @@ class GatherTree {
 };
 
 template <class Scene, class W>
-void GatherTree<Scene, W>::build(const std::vector<Sensor<Scene, W>>& sensors, const W& weighting, std::uint64_t key) {
+void GatherTree<Scene, W>::build(const std::vector<Sensor<Scene, W>>& sensors, const W& weighting) {
   sensors_ = &sensors;
   items_.clear();
   for (std::size_t i = 0; i < sensors.size(); ++i) {
@@ -75,8 +87,7 @@ void GatherTree<Scene, W>::build(const std::vector<Sensor<Scene, W>>& sensors, c
   const std::vector<ClusterNode> clusters = split_clusters(items_, SerialExecutor{});
   nodes_.assign(clusters.size(), {});
   for (std::size_t i = clusters.size(); i-- > 0;) {
-    nodes_[i] = clusters[i].is_leaf ? leaf(weighting, items_[clusters[i].first].id)
-                                    : combine(clusters[i].first, mix_bits(key + i));
+    nodes_[i] = clusters[i].is_leaf ? leaf(weighting, items_[clusters[i].first].id) : combine(clusters[i].first);
   }
 }
 
@@ -85,7 +96,7 @@ GatherNode<typename Scene::Scalar> GatherTree<Scene, W>::leaf(const W& weighting
   const VertexOf<Scene>& v = (*sensors_)[sensor].vertex;
   const SensorLimit<S> limit = weighting.limit((*sensors_)[sensor].record);
   GatherNode<S> node;
-  node.child = node.representative = sensor;
+  node.child = sensor;
   node.box.extend(v.position);
   node.normals = DirectionCone<S>::of(v.shading.normal());
   node.strength = v.strength;
@@ -109,7 +120,7 @@ GatherNode<typename Scene::Scalar> GatherTree<Scene, W>::leaf(const W& weighting
 }
 
 template <class Scene, class W>
-GatherNode<typename Scene::Scalar> GatherTree<Scene, W>::combine(std::uint32_t child, std::uint64_t key) const {
+GatherNode<typename Scene::Scalar> GatherTree<Scene, W>::combine(std::uint32_t child) const {
   const GatherNode<S>& a = nodes_[child];
   const GatherNode<S>& b = nodes_[child + 1];
   GatherNode<S> node = a;
@@ -130,8 +141,6 @@ GatherNode<typename Scene::Scalar> GatherTree<Scene, W>::combine(std::uint32_t c
   node.gloss.extend(b.gloss);
   node.cap = std::max(a.cap, b.cap);
   node.remaining = std::max(a.remaining, b.remaining);
-  const S u = to_unit_interval<S>(static_cast<std::uint32_t>(key >> 32));
-  node.representative = u * node.luminance < a.luminance ? a.representative : b.representative;
   return node;
 }
 

@@ -1,0 +1,247 @@
+// SPDX-License-Identifier: Apache-2.0
+// Oracle: sampling. Directions inside a cone, and vectors between points of two boxes, are drawn at random; no bound may
+// be exceeded by any of them. References are computed in long double, so that only the code's own rounding is judged.
+
+#include <gtest/gtest.h>
+
+#include <random>
+#include <type_traits>
+
+#include "manylight/bounds/box_pair.hpp"
+#include "manylight/bounds/direction_cone.hpp"
+
+namespace manylight {
+namespace {
+
+using Wide = long double;
+using WideVec = glm::vec<3, long double, glm::defaultp>;
+
+template <class S>
+class Cones : public ::testing::Test {
+ public:
+  std::mt19937_64 random{20};
+
+  Wide uniform(Wide lo = 0, Wide hi = 1) { return lo + (hi - lo) * std::uniform_real_distribution<double>()(random); }
+  WideVec direction() {
+    const Wide z = uniform(-1, 1);
+    const Wide phi = uniform(0, 2 * 3.14159265358979323846L);
+    const Wide r = std::sqrt(std::max(Wide(0), 1 - z * z));
+    return {r * std::cos(phi), r * std::sin(phi), z};
+  }
+  /// At `angle` from the unit `axis`, random azimuth.
+  WideVec around(const WideVec& axis, Wide angle) {
+    const WideVec other = std::abs(axis.x) < 0.5L ? WideVec(1, 0, 0) : WideVec(0, 1, 0);
+    const WideVec s = glm::normalize(glm::cross(axis, other));
+    const WideVec t = glm::cross(axis, s);
+    const Wide phi = uniform(0, 2 * 3.14159265358979323846L);
+    return axis * std::cos(angle) + (s * std::cos(phi) + t * std::sin(phi)) * std::sin(angle);
+  }
+  Wide half_angle() {  // many scales, and plain ones
+    const double kind = static_cast<double>(uniform());
+    if (kind < 0.2) return 0;
+    if (kind < 0.6) return std::pow(Wide(10), uniform(-8, 0));
+    return uniform(0, 3.1L);
+  }
+  DirectionCone<S> cone(const WideVec& axis, Wide half) {
+    return {glm::normalize(Vec3<S>(axis)), static_cast<S>(std::cos(half)), static_cast<S>(std::sin(half))};
+  }
+  /// A direction of the cone, on its rim half of the time (where bounds are tight).
+  WideVec inside(const DirectionCone<S>& c) {
+    const Wide half = std::atan2(Wide(c.sin_half), Wide(c.cos_half));
+    return around(glm::normalize(WideVec(c.axis)), uniform() < 0.5 ? half : half * uniform());
+  }
+  static Wide angle(const WideVec& a, const WideVec& b) {
+    return std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b));
+  }
+};
+using Scalars = ::testing::Types<float, double>;
+TYPED_TEST_SUITE(Cones, Scalars);
+
+// Planted bug seen to fail: the sine taken from sqrt(1 - cos^2), which loses half the digits near opposite axes.
+// Planted bug seen to fail: "half-angles add to pi" left out.
+TYPED_TEST(Cones, MaxCosineAndMinAngleHoldForSampledDirections) {
+  using S = TypeParam;
+  for (int i = 0; i < 20000; ++i) {
+    const WideVec axis = this->direction();
+    const double kind = static_cast<double>(this->uniform());
+    // Unrelated, nearly equal, nearly opposite axes.
+    const WideVec other = kind < 0.4   ? this->direction()
+                          : kind < 0.7 ? this->around(axis, std::pow(Wide(10), this->uniform(-8, 0)))
+                                       : this->around(-axis, std::pow(Wide(10), this->uniform(-8, 0)));
+    const DirectionCone<S> a = this->cone(axis, this->half_angle());
+    const DirectionCone<S> b = this->cone(other, this->half_angle());
+    const Wide cosine = max_cosine(a, b);
+    const Wide least = min_angle(a, b);
+    ASSERT_LE(cosine, 1);
+    for (int k = 0; k < 20; ++k) {
+      const WideVec u = this->inside(a);
+      const WideVec v = this->inside(b);
+      ASSERT_GE(cosine, glm::dot(u, v) - 2 * Wide(std::numeric_limits<S>::epsilon())) << i;  // rounded axes, not unit
+      // Two ulps of the angle: those of acos itself.
+      ASSERT_LE(least, this->angle(u, v) + 4 * Wide(std::numeric_limits<S>::epsilon())) << i;
+    }
+  }
+}
+
+// Bounds that are always right would also pass above: this one is tight for unrelated cones.
+TYPED_TEST(Cones, MaxCosineIsTight) {
+  using S = TypeParam;
+  for (int i = 0; i < 2000; ++i) {
+    const WideVec axis = this->direction();
+    const Wide between = this->uniform(0.2L, 3.0L);
+    const Wide ha = this->uniform(0, 0.5L);
+    const Wide hb = this->uniform(0, 0.5L);
+    const Wide expected = std::cos(std::max(Wide(0), between - ha - hb));
+    const S bound = max_cosine(this->cone(axis, ha), this->cone(this->around(axis, between), hb));
+    EXPECT_NEAR(static_cast<double>(bound), static_cast<double>(expected),
+                64 * static_cast<double>(std::numeric_limits<S>::epsilon()));  // slack of 16 epsilon plus rounding
+  }
+}
+
+// Planted bug seen to fail: half = reach / 2.
+TYPED_TEST(Cones, UnionHoldsBothAndStaysSmall) {
+  using S = TypeParam;
+  const double epsilon = static_cast<double>(std::numeric_limits<S>::epsilon());
+  for (int i = 0; i < 20000; ++i) {
+    const WideVec axis = this->direction();
+    const double kind = static_cast<double>(this->uniform());
+    const WideVec other = kind < 0.5   ? this->direction()
+                          : kind < 0.8 ? this->around(axis, std::pow(Wide(10), this->uniform(-9, 0)))
+                                       : this->around(-axis, std::pow(Wide(10), this->uniform(-9, 0)));
+    const DirectionCone<S> a = this->cone(axis, this->half_angle());
+    const DirectionCone<S> b = this->cone(other, this->half_angle());
+    const DirectionCone<S> both = unite(a, b);
+    if (both.is_full()) {
+      // Only for cones that reach around the sphere, or opposite axes (documented loss of 1e-3 rad at most here).
+      const Wide need = (this->angle(WideVec(a.axis), WideVec(b.axis)) + a.half_angle() + b.half_angle()) / 2;
+      ASSERT_TRUE(need > 3.14L || a.half_angle() > S(3.14) || b.half_angle() > S(3.14) ||
+                  this->angle(WideVec(a.axis), -WideVec(b.axis)) < 1e-6L);
+      continue;
+    }
+    const Wide half = std::atan2(Wide(both.sin_half), Wide(both.cos_half));
+    for (int k = 0; k < 20; ++k) {
+      // Twenty epsilon: a member that the wider cone swallows may stick out by the rounding of its own angles; what
+      // reads cones (max_cosine) carries that slack.
+      ASSERT_LE(this->angle(glm::normalize(WideVec(both.axis)), this->inside(k % 2 == 0 ? a : b)), half + 20 * epsilon);
+    }
+    const Wide between = this->angle(WideVec(a.axis), WideVec(b.axis));
+    const Wide least = std::max({Wide(a.half_angle()), Wide(b.half_angle()),
+                                 (between + a.half_angle() + b.half_angle()) / 2});
+    ASSERT_LE(static_cast<double>(half), static_cast<double>(least) + 200 * epsilon);  // slack of 64, rounding
+  }
+}
+
+TYPED_TEST(Cones, OppositeAxesGiveTheWholeSphere) {
+  using S = TypeParam;
+  const DirectionCone<S> both = unite(DirectionCone<S>::of({0, 0, 1}), DirectionCone<S>::of({0, 0, -1}));
+  EXPECT_TRUE(both.is_full());
+  EXPECT_EQ(max_cosine(both, DirectionCone<S>::of({1, 0, 0})), S(1));
+  EXPECT_EQ(min_angle(both, DirectionCone<S>::of({1, 0, 0})), S(0));
+}
+
+TYPED_TEST(Cones, ManyUnitedDirectionsStayInside) {
+  using S = TypeParam;
+  for (int i = 0; i < 300; ++i) {
+    const WideVec axis = this->direction();
+    const Wide spread = std::pow(Wide(10), this->uniform(-6, 0.3L));
+    std::vector<Vec3<S>> members;
+    DirectionCone<S> all;
+    for (int k = 0; k < 200; ++k) {
+      members.push_back(glm::normalize(Vec3<S>(this->around(axis, spread * this->uniform()))));
+      all = k == 0 ? DirectionCone<S>::of(members[0]) : unite(all, DirectionCone<S>::of(members.back()));
+    }
+    for (const Vec3<S>& m : members) {
+      ASSERT_GE(max_cosine(all, DirectionCone<S>::of(m)), S(1) - 4 * std::numeric_limits<S>::epsilon());
+    }
+  }
+}
+
+template <class S>
+using Boxes = Cones<S>;
+TYPED_TEST_SUITE(Boxes, Scalars);
+
+template <class S, class Fixture>
+Box<S> random_box(Fixture& f) {
+  const Wide scale = std::pow(Wide(10), f.uniform(-3, 1));
+  Box<S> box;
+  const Vec3<S> corner(static_cast<S>(f.uniform(-2, 2)), static_cast<S>(f.uniform(-2, 2)),
+                       static_cast<S>(f.uniform(-2, 2)));
+  box.extend(corner);
+  for (int axis = 0; axis < 3; ++axis) {
+    if (f.uniform() < 0.3) continue;  // flat
+    box.hi[axis] += static_cast<S>(scale * f.uniform());
+  }
+  return box;
+}
+template <class S, class Fixture>
+Vec3<S> point_of(Fixture& f, const Box<S>& box) {
+  Vec3<S> p;
+  for (int axis = 0; axis < 3; ++axis) {
+    const Wide u = f.uniform() < 0.3 ? (f.uniform() < 0.5 ? 0 : 1) : f.uniform();  // corners and faces, too
+    p[axis] = std::clamp(static_cast<S>(box.lo[axis] + u * (Wide(box.hi[axis]) - box.lo[axis])), box.lo[axis],
+                         box.hi[axis]);
+  }
+  return p;
+}
+
+// O-28. Planted bugs seen to fail: a box half as large, `to.lo - from.lo`, the cone's sine from the half extent's
+// largest component.
+TYPED_TEST(Boxes, DistanceAndDirectionsHoldForSampledPairs) {
+  using S = TypeParam;
+  int narrow = 0;
+  for (int i = 0; i < 3000; ++i) {
+    const Box<S> from = random_box<S>(*this);
+    Box<S> to = random_box<S>(*this);
+    if (i % 5 == 0) {  // touching: the vectors' box has 0 on its face
+      const S shift = from.hi.x - to.lo.x;
+      to.lo.x += shift;
+      to.hi.x = std::max(to.lo.x, to.hi.x + shift);
+    }
+    if (i % 7 == 0) to = from;  // overlapping
+    const Box<S> vectors = difference(from, to);
+    const Wide squared = min_squared_length(vectors);
+    const DirectionCone<S> cone = directions(vectors);
+    narrow += cone.is_full() ? 0 : 1;
+    for (int k = 0; k < 60; ++k) {
+      const Vec3<S> p = point_of(*this, from);
+      const Vec3<S> q = point_of(*this, to);
+      const WideVec v = WideVec(q) - WideVec(p);
+      ASSERT_LE(squared, glm::dot(v, v));
+      if (glm::dot(v, v) == 0) {
+        ASSERT_TRUE(cone.is_full());
+        continue;
+      }
+      const Wide half = cone.is_full() ? 4 : std::atan2(Wide(cone.sin_half), Wide(cone.cos_half));
+      ASSERT_LE(this->angle(glm::normalize(WideVec(cone.axis)), glm::normalize(v)),
+                half + 2 * Wide(std::numeric_limits<S>::epsilon()));  // the rounded axis is off by that much
+      // What is built on it, as upper bounds use it.
+      const Vec3<S> unit = glm::normalize(Vec3<S>(v));
+      ASSERT_GE(max_cosine(cone, DirectionCone<S>::of(unit)), S(1) - 4 * std::numeric_limits<S>::epsilon());
+    }
+  }
+  EXPECT_GT(narrow, 500);  // the test saw cones, not only whole spheres
+}
+
+TYPED_TEST(Boxes, PointsGiveExactDistanceAndASingleDirection) {
+  using S = TypeParam;
+  Box<S> a, b;
+  a.extend(Vec3<S>(1, 2, 3));
+  b.extend(Vec3<S>(4, 6, 3));
+  const Box<S> vectors = difference(a, b);
+  EXPECT_NEAR(static_cast<double>(min_squared_length(vectors)), 25.0, 1e-4);  // reduced by 8 epsilon
+  EXPECT_LE(min_squared_length(vectors), S(25));
+  const DirectionCone<S> cone = directions(vectors);
+  EXPECT_NEAR(static_cast<double>(cone.axis.x), 0.6, 1e-6);  // float rounding
+  EXPECT_LT(cone.half_angle(), 20 * std::numeric_limits<S>::epsilon());
+}
+
+TYPED_TEST(Boxes, CoincidentPointsGiveDistanceZeroAndAllDirections) {
+  using S = TypeParam;
+  Box<S> a;
+  a.extend(Vec3<S>(1, 2, 3));
+  EXPECT_EQ(min_squared_length(difference(a, a)), S(0));
+  EXPECT_TRUE(directions(difference(a, a)).is_full());
+}
+
+}  // namespace
+}  // namespace manylight

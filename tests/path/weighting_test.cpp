@@ -1,0 +1,371 @@
+// SPDX-License-Identifier: Apache-2.0
+// Oracle of the weights: the recursion as it is defined, O(k) per weight with the whole history at hand, written here from
+// the definitions [Walter 2012, Eq. 4-10] and sharing no code with the header.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <random>
+#include <vector>
+
+#include "manylight/path/weighting.hpp"
+
+namespace manylight {
+namespace {
+
+constexpr double k_inf = std::numeric_limits<double>::infinity();
+constexpr double k_one_over_pi = 0.318309886183790672;
+
+/// Vertices 1 .. l (index 0 unused): patterns of v_j, transit of segment (j, j+1); a Dirac vertex has M = D = inf. The
+/// last vertex is the light: only its D counts.
+struct Path {
+  std::vector<double> m{0}, d{0}, t{0};
+  std::vector<bool> dirac{false};
+  void add(double m_j, double d_j, double t_j) {
+    m.push_back(m_j);
+    d.push_back(d_j);
+    t.push_back(t_j);
+    dirac.push_back(m_j == k_inf);
+  }
+  [[nodiscard]] std::size_t length() const { return m.size() - 1; }
+};
+
+double theta(const Path& p, std::size_t j) {
+  double sum = 0;
+  for (std::size_t i = 1; i + 1 <= j; ++i) sum += p.dirac[i] ? 0 : std::sqrt(1 / (3.14159265358979323846 * p.m[i]));
+  return sum;
+}
+double gamma_of(const Path& p, const WeightingConfig<double>& c, std::size_t j) {
+  return theta(p, j) <= std::sqrt(1 / (3.14159265358979323846 * c.c_m)) ? k_inf : c.c_v;
+}
+double ratio(double gamma, double x) {  // min(Gamma / x, 1) with the limits inf / anything = 1, finite / inf = 0
+  if (gamma == k_inf) return 1;
+  return x == k_inf ? 0 : std::min(gamma / x, 1.0);
+}
+double mu(const Path& p, const WeightingConfig<double>& c, std::size_t j) {
+  const double gamma = gamma_of(p, c, j);
+  double value = ratio(gamma, p.d[j + 1]) * std::min(ratio(gamma, p.d[j]), ratio(gamma, p.m[j]));
+  for (std::size_t i = 1; i + 1 <= j; ++i) {
+    const double next = gamma_of(p, c, i + 1);
+    value *= std::min(ratio(next, p.d[i]), ratio(next, p.m[i]));
+  }
+  return value;
+}
+/// w_1 .. w_{l-1} at [1 .. l-1].
+std::vector<double> weights(const Path& p, const WeightingConfig<double>& c) {
+  std::vector<double> w(p.length(), 0.0);
+  double sum = 0;
+  for (std::size_t j = 1; j < p.length(); ++j) {
+    if (!p.dirac[j] && !p.dirac[j + 1]) {
+      const double clamp = std::min(c.c_clamp / (p.m[j] * p.t[j] * p.d[j + 1]), 1.0);
+      const double diffuse = std::min(c.c_d / p.d[j + 1], 1.0);
+      w[j] = std::max(0.0, std::min({1 - sum, clamp, diffuse, mu(p, c, j) - sum}));
+    }
+    sum += w[j];
+  }
+  return w;
+}
+double hit_weight(const Path& p, const WeightingConfig<double>& c) {
+  const std::size_t l = p.length();
+  bool all_dirac = true;
+  for (std::size_t i = 1; i < l; ++i) all_dirac = all_dirac && p.dirac[i];
+  if (all_dirac) return 1;
+  if (c.hits == EmitterHits::after_dirac) return 0;
+  double sum = 0;
+  for (const double x : weights(p, c)) sum += x;
+  double mu_hit = ratio(gamma_of(p, c, l), p.d[l]);
+  for (std::size_t i = 1; i < l; ++i) {
+    const double next = gamma_of(p, c, i + 1);
+    mu_hit *= std::min(ratio(next, p.d[i]), ratio(next, p.m[i]));
+  }
+  return std::max(0.0, std::min(1 - sum, mu_hit - sum));
+}
+
+using Weights = FourConstraints<double>;
+
+Weights::Record record_at(const Weights& weighting, const Path& p, std::size_t k) {
+  Weights::Record record = weighting.start();
+  for (std::size_t j = 1; j < k; ++j) {
+    record = p.dirac[j] ? weighting.extend_delta(record) : weighting.extend(record, p.m[j], p.d[j], p.t[j]);
+  }
+  return record;
+}
+/// The light's own pattern at v_{k+1}, seen from generator k.
+PairPatterns<double> pair_at(const Path& p, std::size_t k) { return {p.m[k], p.d[k], p.t[k], p.d[k + 1], false}; }
+
+struct Random {
+  std::mt19937_64 engine;
+  double uniform() { return std::uniform_real_distribution<double>()(engine); }
+  double log_uniform(double lo, double hi) { return lo * std::pow(hi / lo, uniform()); }
+  WeightingConfig<double> config() {
+    WeightingConfig<double> c;
+    c.c_clamp = uniform() < 0.1 ? k_inf : log_uniform(1e-3, 1e4);
+    c.c_d = log_uniform(0.5, 5);
+    c.c_v = uniform() < 0.5 ? c.c_d : c.c_d * uniform();
+    c.c_m = log_uniform(1, 1e3);
+    return c;
+  }
+  Path path(std::size_t length, double dirac_share) {
+    Path p;
+    for (std::size_t j = 0; j < length; ++j) {
+      // Every other pattern is diffuse, so that wide and narrow bounces mix.
+      const bool delta = uniform() < dirac_share && j + 1 < length;
+      const double m = delta ? k_inf : uniform() < 0.4 ? k_one_over_pi * uniform() + 1e-3 : log_uniform(0.01, 3000);
+      const double d = delta ? k_inf : uniform() < 0.4 ? k_one_over_pi * uniform() + 1e-3 : log_uniform(0.01, 3000);
+      p.add(m, d, log_uniform(1e-3, 1e4));
+    }
+    return p;
+  }
+};
+
+// O-20, from the theory: c_clamp = 2, c_d = c_v = 1, c_m = 100; sums worked out by hand.
+TEST(FourConstraints, WorkedExamples) {
+  constexpr double i = k_one_over_pi;
+  struct Case {
+    const char* name;
+    std::vector<double> m, d, t, expected;
+  };
+  const std::vector<Case> cases = {
+      {"diffuse, close", {i, i, i, i}, {i, i, i, i}, {100, 4, 1}, {0.197392, 0.802608, 0}},
+      {"sharp gloss first", {400, i, i}, {300, i, i}, {1, 1}, {0.015708, 0.984292}},
+      {"medium gloss first", {10, i, i, i}, {8, i, i, i}, {1, 1, 1}, {0.628319, 0, 0}},
+      {"diffuse then gloss", {i, 200, i, i}, {i, 200, i, i}, {1, 1, 1}, {0.005, 0, 0}},
+      {"glossy light", {i, i, i}, {i, 5, i}, {1, 1}, {0.2, 0}}};
+  const WeightingConfig<double> config{2, 1, 1, 100};
+  const Weights weighting(config);
+  for (const Case& c : cases) {
+    Path p;
+    for (std::size_t j = 0; j < c.m.size(); ++j) p.add(c.m[j], c.d[j], j < c.t.size() ? c.t[j] : 0);
+    const std::vector<double> slow = weights(p, config);
+    for (std::size_t k = 1; k <= c.expected.size(); ++k) {
+      EXPECT_NEAR(weighting.weight(record_at(weighting, p, k), pair_at(p, k)), c.expected[k - 1], 1e-6)  // digits given
+          << c.name << ", generator " << k;
+      EXPECT_NEAR(slow[k], c.expected[k - 1], 1e-6) << c.name << ", oracle";  // the oracle itself
+    }
+  }
+}
+
+// O-18. Planted bugs seen to fail: gamma_before not shifted in extend; `p` with the old gamma; theta without pi;
+// `variance` without `- w_sum`; extend_delta keeping `connectable`.
+TEST(FourConstraints, ConstantSizeRecordEqualsTheFullRecursion) {
+  Random random{std::mt19937_64(18)};
+  int partial = 0;
+  for (int n = 0; n < 20000; ++n) {
+    const WeightingConfig<double> config = random.config();
+    const Weights weighting(config);
+    const Path p = random.path(2 + static_cast<std::size_t>(random.uniform() * 7), n % 2 == 0 ? 0.0 : 0.25);
+    const std::vector<double> expected = weights(p, config);
+    double sum = 0;
+    double last_mu = 1;
+    for (std::size_t k = 1; k < p.length(); ++k) {
+      sum += expected[k];
+      const double now = mu(p, config, k);
+      ASSERT_LE(now, last_mu * (1 + 1e-14)) << "mu grows at " << k;  // rounding of its product
+      last_mu = now;
+      if (p.dirac[k] || p.dirac[k + 1]) continue;
+      const double fast = weighting.weight(record_at(weighting, p, k), pair_at(p, k));
+      ASSERT_NEAR(fast, expected[k], 1e-12) << "path " << n << " generator " << k;  // same formulas, other order
+      partial += expected[k] > 0 && expected[k] < 1 ? 1 : 0;
+    }
+    ASSERT_LE(sum, 1 + 1e-12);  // rounding of the sum
+    ASSERT_LE(sum + hit_weight(p, config), 1 + 1e-12);
+  }
+  EXPECT_GT(partial, 5000);  // most interesting cases are neither 0 nor 1
+}
+
+// Theory 3.4: once the variance constraint binds, nothing follows.
+TEST(FourConstraints, NothingFollowsABoundVarianceConstraint) {
+  Random random{std::mt19937_64(19)};
+  int bound = 0;
+  for (int n = 0; n < 20000; ++n) {
+    const WeightingConfig<double> config = random.config();
+    const Weights weighting(config);
+    const Path p = random.path(7, 0.0);
+    double sum = 0;
+    bool binds = false;
+    for (std::size_t k = 1; k < p.length(); ++k) {
+      const double w = weighting.weight(record_at(weighting, p, k), pair_at(p, k));
+      if (binds) {
+        ASSERT_LE(w, 1e-12);  // rounding
+      }
+      const double limit = mu(p, config, k) - sum;
+      sum += w;
+      if (w >= limit) binds = true;
+    }
+    bound += binds ? 1 : 0;
+  }
+  EXPECT_GT(bound, 5000);
+}
+
+// Theory 3.8. Planted bug seen to fail: mu of the hit with gamma_before.
+TEST(FourConstraints, HitWeightsEqualTheFullRecursion) {
+  Random random{std::mt19937_64(20)};
+  for (int n = 0; n < 20000; ++n) {
+    WeightingConfig<double> config = random.config();
+    config.hits = n % 3 == 0 ? EmitterHits::after_dirac : EmitterHits::all;
+    const Weights weighting(config);
+    const Path p = random.path(1 + static_cast<std::size_t>(random.uniform() * 6), n % 4 == 0 ? 0.9 : 0.2);
+    const double fast = weighting.hit_weight(record_at(weighting, p, p.length()), p.d[p.length()]);
+    ASSERT_NEAR(fast, hit_weight(p, config), 1e-12) << "path " << n;  // same formulas, other order
+  }
+}
+
+TEST(FourConstraints, HitSeenDirectlyOrThroughMirrorsCountsFully) {
+  const Weights weighting(WeightingConfig<double>{2, 1, 1, 100, EmitterHits::after_dirac});
+  Weights::Record record = weighting.start();
+  EXPECT_EQ(weighting.hit_weight(record, 50.0), 1.0);
+  record = weighting.extend_delta(weighting.extend_delta(record));
+  EXPECT_EQ(weighting.hit_weight(record, 50.0), 1.0);
+  EXPECT_EQ(weighting.hit_weight(weighting.extend(record, 0.3, 0.3, 1.0), 0.3), 0.0);
+}
+
+// Theory 3.7: mirrors before the first ordinary vertex cost nothing.
+TEST(FourConstraints, LeadingMirrorsLeaveTheWeightsUnchanged) {
+  Random random{std::mt19937_64(21)};
+  for (int n = 0; n < 2000; ++n) {
+    const WeightingConfig<double> config = random.config();
+    const Weights weighting(config);
+    const Path plain = random.path(5, 0.0);
+    Path behind;
+    behind.add(k_inf, k_inf, 1);
+    behind.add(k_inf, k_inf, 1);
+    for (std::size_t j = 1; j <= plain.length(); ++j) behind.add(plain.m[j], plain.d[j], plain.t[j]);
+    for (std::size_t k = 1; k < plain.length(); ++k) {
+      ASSERT_NEAR(weighting.weight(record_at(weighting, plain, k), pair_at(plain, k)),
+                  weighting.weight(record_at(weighting, behind, k + 2), pair_at(behind, k + 2)), 1e-15);
+    }
+  }
+}
+
+// Theory 3.7: a mirror after a wide bounce excludes the path (caustics), and may be pruned at once.
+TEST(FourConstraints, MirrorAfterADiffuseBounceEndsThePath) {
+  const Weights weighting(WeightingConfig<double>{1e-9, 1, 1, 100});
+  const Weights::Record diffuse = weighting.extend(weighting.start(), 0.3, 0.3, 1.0);
+  EXPECT_TRUE(weighting.prune_delta(diffuse));
+  EXPECT_FALSE(weighting.prune_delta(weighting.start()));
+  const Weights::Record after = weighting.extend_delta(diffuse);
+  EXPECT_EQ(weighting.weight(after, PairPatterns<double>{0.3, 0.3, 1, 0.3, false}), 0.0);
+  EXPECT_EQ(weighting.hit_weight(after, 0.3), 0.0);
+}
+
+TEST(FourConstraints, ExactLightsAreNotClamped) {
+  const Weights weighting(WeightingConfig<double>{1e-9, 1, 1, 100});
+  EXPECT_LT(weighting.weight(weighting.start(), PairPatterns<double>{0.3, 0.3, 1, 0.08, false}), 1e-6);
+  EXPECT_EQ(weighting.weight(weighting.start(), PairPatterns<double>{0.3, 0.3, 1, 0.08, true}), 1.0);
+  // The energy and diffuse constraints remain.
+  EXPECT_EQ(weighting.weight(weighting.start(), PairPatterns<double>{0.3, 0.3, 1, 4.0, true}), 0.25);
+}
+
+// O-19: the rule against a scan over D_j in (0, d_sup], of the statement that it stands for: "the variance constraint is
+// the smallest at segment j-1". Planted bugs seen to fail: min(d_sup, gamma), c without the clamp, the paper's sentence
+// read literally (w <= wV).
+TEST(FourConstraints, PruningIsNecessaryAndSufficient) {
+  Random random{std::mt19937_64(22)};
+  int pruned = 0;
+  int compared = 0;
+  for (int n = 0; n < 20000; ++n) {
+    const WeightingConfig<double> config = random.config();
+    const Weights weighting(config);
+    const std::size_t j = 2 + static_cast<std::size_t>(random.uniform() * 4);
+    Path p = random.path(j, 0.0);
+    const Weights::Record record = record_at(weighting, p, j);
+    const double d_sup = random.uniform() < 0.1 ? k_inf : random.log_uniform(0.01, 3000);
+    // The left side of the constraint at j-1 needs the weights before it, and mu_{j-1} without its first factor.
+    double sum = 0;
+    for (std::size_t k = 1; k + 1 < j; ++k) sum += weights(p, config)[k];
+    bool always = true;
+    bool close = false;
+    for (int i = 0; i <= 200; ++i) {
+      const double top = std::min(d_sup, 1e6);
+      double d = i == 200 ? top : top * std::pow(10.0, -0.04 * i);
+      if (i == 199) d = std::min(top, gamma_of(p, config, j - 1));  // the worst case of the derivation
+      p.d[j] = d;
+      const double variance = mu(p, config, j - 1) - sum;
+      const double rest = std::min({1 - sum, std::min(config.c_clamp / (p.m[j - 1] * p.t[j - 1] * d), 1.0),
+                                    std::min(config.c_d / d, 1.0)});
+      close = close || std::abs(variance - rest) < 1e-9 * (1 + std::abs(rest));
+      always = always && variance <= rest;
+    }
+    if (d_sup == k_inf && gamma_of(p, config, j - 1) == k_inf) continue;  // no scan reaches the limit d = inf
+    if (close) continue;
+    ++compared;
+    pruned += always ? 1 : 0;
+    ASSERT_EQ(weighting.prune(record, d_sup), always) << n;
+  }
+  EXPECT_GT(pruned, 300);
+  EXPECT_GT(compared - pruned, 300);
+}
+
+// What pruning is for: after it, every weight is 0 whatever follows.
+TEST(FourConstraints, NoPrunedVertexHasWeight) {
+  Random random{std::mt19937_64(23)};
+  int pruned = 0;
+  for (int n = 0; n < 20000; ++n) {
+    const WeightingConfig<double> config = random.config();
+    const Weights weighting(config);
+    const std::size_t j = 2 + static_cast<std::size_t>(random.uniform() * 3);
+    const Path p = random.path(j + 3, n % 2 == 0 ? 0.0 : 0.2);
+    const double d_sup = p.d[j] * (1 + random.uniform());
+    if (p.dirac[j]) {
+      if (!weighting.prune_delta(record_at(weighting, p, j))) continue;
+    } else if (!weighting.prune(record_at(weighting, p, j), d_sup)) {
+      continue;
+    }
+    ++pruned;
+    const std::vector<double> w = weights(p, config);
+    for (std::size_t k = j; k < p.length(); ++k) ASSERT_LE(w[k], 1e-12) << "path " << n << " generator " << k;  // rounding
+    if (p.dirac[j]) continue;
+    ASSERT_LE(hit_weight(p, config), 1e-12);
+  }
+  EXPECT_GT(pruned, 2000);
+}
+
+// O-39. w M min-limited D against the record's limits; with the true bound as the pair's, and the naive one seen to fail.
+// Planted bugs seen to fail: `remaining` multiplied into min(D, C_D); factor = p - w_sum without the cap.
+TEST(FourConstraints, SensorLimitIsNeverExceeded) {
+  Random random{std::mt19937_64(24)};
+  int naive_failures = 0;
+  int finite = 0;
+  for (int n = 0; n < 60000; ++n) {
+    const WeightingConfig<double> config = random.config();
+    const Weights weighting(config);
+    const std::size_t k = 1 + static_cast<std::size_t>(random.uniform() * 5);
+    const Path p = random.path(k + 1, n % 2 == 0 ? 0.0 : 0.2);
+    if (p.dirac[k] || p.dirac[k + 1]) continue;
+    const Weights::Record record = record_at(weighting, p, k);
+    const SensorLimit<double> limit = weighting.limit(record);
+    const double w = weighting.weight(record, pair_at(p, k));
+    const double value = w * p.m[k] * p.d[k + 1];
+    const double limited = std::min(p.d[k + 1], weighting.light_limit());
+    const double pattern = limit.factor * std::min(p.m[k], limit.cap);
+    const double light = p.d[k + 1] < weighting.light_limit() ? limit.remaining * p.d[k + 1] : weighting.light_limit();
+    ASSERT_LE(value, pattern * light * (1 + 1e-12)) << n;  // rounding
+    ASSERT_LE(value * p.t[k], weighting.clamp() * (1 + 1e-12));
+    ASSERT_LE(w * p.d[k + 1], weighting.light_limit() * (1 + 1e-12));
+    naive_failures += value > pattern * limit.remaining * limited * (1 + 1e-9) ? 1 : 0;
+    finite += limit.cap < k_inf ? 1 : 0;
+  }
+  EXPECT_GT(finite, 10000);
+  EXPECT_GT(naive_failures, 0);  // R min(D, C_D) is not a bound
+}
+
+TEST(StandardWeighting, OnlyTheFirstOrdinaryVertexConnects) {
+  const StandardWeighting<double> weighting(WeightingConfig<double>{2, 1, 1, 100});
+  auto record = weighting.extend_delta(weighting.start());
+  const PairPatterns<double> near{0.3, 0.3, 100, 0.3, false};
+  EXPECT_NEAR(weighting.weight(record, near), 2 / (0.3 * 100 * 0.3), 1e-15);  // c_clamp / (M T D)
+  EXPECT_NEAR(weighting.weight(record, PairPatterns<double>{0.3, 0.3, 1e-3, 8, false}), 1.0 / 8, 1e-15);  // c_d / D
+  EXPECT_EQ(weighting.weight(record, PairPatterns<double>{0.3, 0.3, 100, 0.3, true}), 1.0);
+  EXPECT_EQ(weighting.hit_weight(record, 0.3), 1.0);
+  EXPECT_FALSE(weighting.prune(record, k_inf));
+  record = weighting.extend(record, 0.3, 0.3, 1);
+  EXPECT_EQ(weighting.weight(record, near), 0.0);
+  EXPECT_EQ(weighting.hit_weight(record, 0.3), 0.0);
+  EXPECT_TRUE(weighting.prune(record, 0.0));
+  EXPECT_TRUE(weighting.prune_delta(record));
+}
+
+}  // namespace
+}  // namespace manylight
