@@ -77,6 +77,9 @@ scene_file::SceneDescription load(const Options& options) {
     description.camera.width = *options.width;
     description.camera.height = *options.height;
   }
+  if (options.filter == "box") description.filter = ReconstructionFilter<float>::box();
+  if (options.filter == "tent") description.filter = ReconstructionFilter<float>::tent();
+  if (options.filter == "gaussian") description.filter = ReconstructionFilter<float>::gaussian();
   for (const std::string& warning : description.warnings) {
     if (!options.quiet) fmt::print(stderr, "warning: {}\n", warning);
   }

@@ -109,6 +109,8 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
       ->check(CLI::IsMember(backends))->capture_default_str();
   app.add_option("--sampler", sampler, "Random numbers: independent or sobol (Owen-scrambled)")
       ->check(CLI::IsMember(samplers))->capture_default_str();
+  app.add_option("--filter", o.filter, "Reconstruction filter: box, tent or gaussian [from the file]")
+      ->check(CLI::IsMember({"box", "tent", "gaussian"}));
   app.add_option("--seed", o.seed, "Seed; the same seed gives the same image, whatever the threads")
       ->capture_default_str();
   app.add_option("--threads", o.threads, "Threads, 0: all")->capture_default_str();

@@ -27,6 +27,7 @@ struct Options {
   std::optional<int> max_depth;  ///< edges; -1 unlimited
   Backend backend = Backend::bvh;
   SamplerKind sampler = SamplerKind::independent;
+  std::string filter;  ///< box, tent or gaussian; empty: from the file
   std::uint64_t seed = 0;
   std::uint32_t threads = 0;
   std::optional<double> time_limit;  ///< s

@@ -60,9 +60,11 @@ struct PilotVisitor {
   unsigned max_edges;
   unsigned count;
   double sum = 0;
+  bool meets_surface = false;
 
   void emission(const Rgb<S>&) const noexcept {}
   void sensor(const Sensor<Scene, StandardWeighting<S>>& vps) {
+    meets_surface = true;
     for (unsigned i = 0; i < count; ++i) {
       const VertexOf<Scene>& light = picker.pick(static_cast<double>(stream.next()));
       const auto transfer =
@@ -95,13 +97,16 @@ template <class Scene, Camera C, Sampler Random, Executor Exec>
   // A provisional clamp keeps corners from outshining the rest: M T D of two facing diffuse patches at 5 % of the radius.
   const S near = S(0.05) * scene.emitters().scene_radius();
   const StandardWeighting<S> weighting(WeightingConfig<S>{sqr(k_inv_pi<S> / near)});
-  std::vector<double> luminances(k_grid * k_grid);
+  // Points that see only the background stay out (negative): as black ones they would pull the log average to its floor.
+  std::vector<double> luminances(k_grid * k_grid, -1);
   std::vector<RayCounts> row_rays(k_grid);
   executor.for_each_index(k_grid, [&](std::size_t row) {
     for (std::uint32_t column = 0; column < k_grid; ++column) {
       const std::size_t point = row * k_grid + column;
       const std::uint32_t x = (2 * column + 1) * camera.width() / (2 * k_grid);
       const auto y = static_cast<std::uint32_t>((2 * row + 1) * camera.height() / (2 * k_grid));
+      double sum = 0;
+      bool meets_surface = false;
       for (std::uint32_t i = 0; i < k_eye_samples; ++i) {
         Stream stream = sampler.stream(Stage::pilot, point, i);
         const Ray<S> ray = camera_ray(camera, filter, x, y, stream);
@@ -109,11 +114,14 @@ template <class Scene, Camera C, Sampler Random, Executor Exec>
         EyeSubpath<Scene, StandardWeighting<S>, Stream, decltype(visitor)>(scene, weighting, max_edges, stream,
                                                                            row_rays[row], visitor)
             .trace(ray, S(1));
-        luminances[point] += visitor.sum / k_eye_samples;
+        sum += visitor.sum / k_eye_samples;
+        meets_surface = meets_surface || visitor.meets_surface;
       }
+      if (meets_surface) luminances[point] = sum;
     }
   });
   for (const RayCounts& count : row_rays) rays += count;
+  std::erase_if(luminances, [](double y) { return y < 0; });
   return log_average(luminances);
 }
 

@@ -29,7 +29,7 @@ struct LightNode {
   std::uint32_t child = 0;     ///< index of the first child, the second follows; of the VPL in a leaf
   bool is_leaf = true;
   bool is_infinite = false;
-  bool is_exact = false;       ///< all VPLs are exact: the pair's bound has no clamp
+  bool is_exact = false;       ///< some VPL is exact: the bound of a pair has no clamp
   bool is_two_sided = false;   ///< light leaves on both sides of the normals somewhere in the cluster
 };
 
@@ -168,7 +168,7 @@ void LightTree<Scene>::combine(LightNode<S>& parent) const noexcept {
   parent.diffuse = std::max(a.diffuse, b.diffuse);
   parent.gloss = std::max(a.gloss, b.gloss);
   parent.is_infinite = a.is_infinite;
-  parent.is_exact = a.is_exact && b.is_exact;
+  parent.is_exact = a.is_exact || b.is_exact;
   parent.is_two_sided = a.is_two_sided || b.is_two_sided;
 }
 

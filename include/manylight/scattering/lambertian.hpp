@@ -13,6 +13,7 @@ namespace manylight {
 template <std::floating_point S>
 struct Lambertian {
   using Scalar = S;
+  static constexpr bool k_isotropic = true;  ///< vertices need no tangent
   Rgb<S> reflectance{S(0.5)};  ///< albedo per channel, [0, 1]
 
   /// Throws ParameterError.
