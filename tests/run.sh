@@ -62,5 +62,6 @@ if [[ -n $scenes ]]; then
 else
   echo "reference scenes not given: tests against them skipped"
 fi
-build_and_test release -D MANYLIGHT_REFERENCE_SCENES="$scenes" -D MANYLIGHT_WARNINGS_AS_ERRORS="$($ci && echo ON || echo OFF)"
+build_and_test release -D MANYLIGHT_REFERENCE_SCENES="$scenes" \
+  -D MANYLIGHT_WARNINGS_AS_ERRORS="$(if $ci; then echo ON; else echo OFF; fi)"
 finish_stage

@@ -51,9 +51,11 @@ TriangleMesh<float> read_obj(const std::filesystem::path& path) {
       std::vector<std::uint32_t> corners;
       for (std::string corner; in >> corner;) {
         const long index = std::strtol(corner.c_str(), nullptr, 10);
-        corners.push_back(static_cast<std::uint32_t>(index > 0 ? index - 1 : static_cast<long>(mesh.positions.size()) + index));
+        corners.push_back(
+            static_cast<std::uint32_t>(index > 0 ? index - 1 : static_cast<long>(mesh.positions.size()) + index));
       }
-      for (std::size_t i = 2; i < corners.size(); ++i) mesh.triangles.push_back({corners[0], corners[i - 1], corners[i]});
+      for (std::size_t i = 2; i < corners.size(); ++i)
+        mesh.triangles.push_back({corners[0], corners[i - 1], corners[i]});
     }
   }
   return mesh;
@@ -67,7 +69,8 @@ TriangleMesh<float> rippled_sphere(std::uint32_t n, const Vec3<float>& center, f
       const float theta = k_pi<float> * static_cast<float>(i) / static_cast<float>(n);
       const float phi = 2 * k_pi<float> * static_cast<float>(j % n) / static_cast<float>(n);
       const float r = radius * (1 + 0.1f * std::sin(ripples * theta) * std::cos(ripples * phi));
-      mesh.positions.push_back(center + r * Vec3<float>(std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta)));
+      mesh.positions.push_back(
+          center + r * Vec3<float>(std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta)));
     }
   }
   for (std::uint32_t i = 0; i < n; ++i) {
@@ -85,7 +88,8 @@ Shapes<float> furnished_room() {
   shapes.meshes.push_back(cube_mesh<float>(Mat4<float>(5.0f)));
   for (int i = 0; i < 24; ++i) {
     const auto x = static_cast<float>(i);
-    const Vec3<float> center{4 * std::cos(x * 2.4f) * std::sqrt(x / 24), 4 * std::sin(x * 2.4f) * std::sqrt(x / 24), -4 + x * 0.3f};
+    const Vec3<float> center{4 * std::cos(x * 2.4f) * std::sqrt(x / 24), 4 * std::sin(x * 2.4f) * std::sqrt(x / 24),
+                             -4 + x * 0.3f};
     shapes.meshes.push_back(rippled_sphere(100, center, 0.4f, 3 + x));
   }
   return shapes;
@@ -181,7 +185,8 @@ using Trace = std::size_t (*)();
 void rate(benchmark::State& state, Trace trace) {
   std::size_t hits = trace();
   for (auto _ : state) benchmark::DoNotOptimize(hits = trace());
-  state.counters["rays_per_second"] = benchmark::Counter(static_cast<double>(k_rays), benchmark::Counter::kIsIterationInvariantRate);
+  state.counters["rays_per_second"] =
+      benchmark::Counter(static_cast<double>(k_rays), benchmark::Counter::kIsIterationInvariantRate);
   state.counters["hit_fraction"] = static_cast<double>(hits) / static_cast<double>(k_rays);
 }
 
@@ -223,11 +228,17 @@ MANYLIGHT_ROWS(Bvh<float>, bvh);
 #ifdef MANYLIGHT_HAS_EMBREE
 MANYLIGHT_ROWS(EmbreeGeometry, embree);
 BENCHMARK_CAPTURE(ratio, closest, &trace_closest<Bvh<float>>, &trace_closest<EmbreeGeometry>)
-    ->Unit(benchmark::kMillisecond)->UseRealTime()->Iterations(11);
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime()
+    ->Iterations(11);
 BENCHMARK_CAPTURE(ratio, any, &trace_any<Bvh<float>>, &trace_any<EmbreeGeometry>)
-    ->Unit(benchmark::kMillisecond)->UseRealTime()->Iterations(11);
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime()
+    ->Iterations(11);
 BENCHMARK_CAPTURE(ratio, batch_of_embree_to_its_single, &trace_batch<EmbreeGeometry>, &trace_any<EmbreeGeometry>)
-    ->Unit(benchmark::kMillisecond)->UseRealTime()->Iterations(11);
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime()
+    ->Iterations(11);
 #endif
 
 }  // namespace

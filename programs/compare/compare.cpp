@@ -130,8 +130,9 @@ void print_text(const Report& report, std::ostream& out) {
       << fmt::format("mean signed difference  {:+.4f} %\n", 100.0 * m.signed_difference);
   if (!report.z_test) return;
   const metrics::ZTestResult& z = *report.z_test;
-  out << fmt::format("z-test                  {}: {} of {} pixel-channels fail, {} may; worst |z| {:.3g} at ({}, {}) {}\n",
-                     z.passes ? "passed" : "FAILED", z.failures, z.tests, z.allowed, z.worst_z, z.worst_x, z.worst_y,
+  out << fmt::format("z-test                  {}: {} of {} pixel-channels fail, {} may; ",
+                     z.passes ? "passed" : "FAILED", z.failures, z.tests, z.allowed)
+      << fmt::format("worst |z| {:.3g} at ({}, {}) {}\n", z.worst_z, z.worst_x, z.worst_y,
                      k_channel_names[z.worst_channel]);
 }
 

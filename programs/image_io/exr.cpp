@@ -5,8 +5,11 @@
 #include <ImfHeader.h>
 #include <ImfInputFile.h>
 #include <ImfOutputFile.h>
+#include <ImfStdIO.h>
 
 #include <array>
+#include <fstream>
+#include <stdexcept>
 
 #include "image_io/formats.hpp"
 
@@ -84,9 +87,17 @@ void write_exr(const std::filesystem::path& path, const Image<float>& image) {
       // OpenEXR reads through the same non-const slices that it writes to.
       buffer.insert(names[c], slice_of(const_cast<Image<float>&>(image), static_cast<int>(c), header.dataWindow()));
     }
-    Imf::OutputFile file(path.c_str(), header);
-    file.setFrameBuffer(buffer);
-    file.writePixels(height);
+    // Through memory: OpenEXR's own file stream ends without an error when the disk is full.
+    Imf::StdOSStream bytes;
+    {
+      Imf::OutputFile file(bytes, header);
+      file.setFrameBuffer(buffer);
+      file.writePixels(height);
+    }
+    std::ofstream out(path, std::ios::binary);
+    out << bytes.str();
+    out.close();
+    if (!out) throw std::runtime_error("no space left, or the folder is not writable");
   } catch (const std::exception& error) {
     const std::string text = error.what();
     throw ImageFileError(path, "cannot be written: " + text.substr(0, text.find('\n')));

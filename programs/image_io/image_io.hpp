@@ -15,7 +15,16 @@ namespace manylight::image_io {
 class ImageFileError : public Error {
  public:
   ImageFileError(const std::filesystem::path& path, std::string_view reason)
-      : Error(path.string() + ": " + std::string(reason)) {}
+      : Error(one_line(path.string() + ": " + std::string(reason))) {}
+
+ private:
+  /// What a damaged file says must not break the one line.
+  static std::string one_line(std::string text) {
+    for (char& c : text) {
+      if (static_cast<unsigned char>(c) < 0x20) c = ' ';
+    }
+    return text;
+  }
 };
 
 /// Pixels as a file stores them.

@@ -38,14 +38,44 @@ struct Freed {
   void operator()(void* memory) const noexcept { stbi_image_free(memory); }
 };
 
-/// stb fills the rest of a JPEG that was cut off with grey and reports success: look for an end marker behind the last
-/// start of a scan instead (an embedded thumbnail has its own, earlier).
-bool is_cut_off_jpeg(const std::string& bytes) {
-  const bool is_jpeg = bytes.size() >= 2 && bytes[0] == '\xff' && bytes[1] == '\xd8';
-  if (!is_jpeg) return false;
-  const std::size_t end = bytes.rfind("\xff\xd9");
-  const std::size_t scan = bytes.rfind("\xff\xda");
-  return end == std::string::npos || scan == std::string::npos || end < scan;
+std::uint8_t byte_at(const std::string& bytes, std::size_t at) { return static_cast<std::uint8_t>(bytes[at]); }
+
+/// A Huffman segment holds tables of a class byte, 16 counts, and as many bytes as the counts add up to. stb writes past
+/// its tables where they add up to more than 256.
+bool are_huffman_tables_sound(const std::string& bytes, std::size_t at, std::size_t end) {
+  while (at < end) {
+    if (end - at < 17) return false;
+    std::size_t codes = 0;
+    for (std::size_t i = 1; i <= 16; ++i) codes += byte_at(bytes, at + i);
+    if (codes > 256 || end - at - 17 < codes) return false;
+    at += 17 + codes;
+  }
+  return true;
+}
+
+/// Walks the segments of a JPEG to its end marker. stb fills the rest of a file that was cut off with grey and reports
+/// success.
+bool is_sound_jpeg(const std::string& bytes) {
+  for (std::size_t at = 2; at + 1 < bytes.size();) {
+    const std::uint8_t marker = byte_at(bytes, at + 1);
+    const bool is_marker = byte_at(bytes, at) == 0xFF && marker != 0x00 && marker != 0x01 && marker != 0xFF;
+    if (!is_marker || (marker >= 0xD0 && marker <= 0xD7)) {  // data of a scan, or a restart in it
+      ++at;
+      continue;
+    }
+    if (marker == 0xD9) return true;
+    if (bytes.size() - at < 4) return false;
+    const std::size_t length = std::size_t{byte_at(bytes, at + 2)} * 256 + byte_at(bytes, at + 3);
+    if (length < 2 || bytes.size() - at - 2 < length) return false;
+    if (marker == 0xC4 && !are_huffman_tables_sound(bytes, at + 4, at + 2 + length)) return false;
+    at += 2 + length;
+  }
+  return false;
+}
+
+bool is_damaged_jpeg(const std::string& bytes) {
+  const bool is_jpeg = bytes.size() >= 2 && byte_at(bytes, 0) == 0xFF && byte_at(bytes, 1) == 0xD8;
+  return is_jpeg && !is_sound_jpeg(bytes);
 }
 
 bool is_cut_off_png(const std::string& bytes) {
@@ -77,7 +107,7 @@ std::uint8_t quantise(float linear) {
 
 StoredImage decode_ldr(const std::filesystem::path& path, const std::string& bytes) {
   if (bytes.empty()) throw ImageFileError(path, "empty file");
-  if (is_cut_off_jpeg(bytes) || is_cut_off_png(bytes)) throw ImageFileError(path, "truncated image");
+  if (is_damaged_jpeg(bytes) || is_cut_off_png(bytes)) throw ImageFileError(path, "truncated or damaged image");
   if (bytes.size() > static_cast<std::size_t>(std::numeric_limits<int>::max())) {
     throw ImageFileError(path, "file too large");
   }

@@ -58,7 +58,7 @@ Rgb<double> from_spectrum(const Context& context, const Element& element, Spectr
     return role == SpectrumRole::ratio ? reflectance_to_rgb(samples) : emission_to_rgb(samples);
   }
   const Rgb<double> value = from_numbers(element);
-  const bool is_equal_energy = role == SpectrumRole::emission && context.document.major_version >= 3;
+  const bool is_equal_energy = role == SpectrumRole::emission && context.document.major_version >= 2;
   return is_equal_energy && value.x == value.y && value.y == value.z ? xyz_to_srgb(value) : value;
 }
 
@@ -147,7 +147,14 @@ std::optional<Texture<float>> take_texture(Context& context, Properties& propert
                                            double largest) {
   const Element* child = properties.take(name);
   if (child == nullptr) return std::nullopt;
-  if (child->tag == "texture") return parse_texture(context, *child, role);
+  if (child->tag == "texture") {
+    Texture<float> texture = parse_texture(context, *child, role);
+    const auto maximum = static_cast<double>(max_channel(texture.maximum()));
+    if (maximum > largest) {
+      fail(*child, "reaches " + std::to_string(maximum) + ", allowed: 0 to " + std::to_string(largest).substr(0, 8));
+    }
+    return texture;
+  }
   const Rgb<float> color = parse_color(context, *child, role);
   if (static_cast<double>(max_channel(color)) > largest) {
     fail(*child, "'" + child->get("value") + "' is out of range, allowed: 0 to " + std::to_string(largest).substr(0, 8));

@@ -21,6 +21,7 @@ struct Context {
   SceneDescription scene;
   std::map<const Element*, std::uint32_t> material_of;  ///< <bsdf> elements met before -> index in scene.materials
   std::map<std::string, std::shared_ptr<const Texels<float>>> bitmaps;  ///< by path and decoding
+  int parsed_materials = 0;
   bool has_default_material = false;
   std::uint32_t default_material = 0;
 
@@ -46,10 +47,5 @@ void add_shape(Context& context, const Element& element);
 void add_emitter(Context& context, const Element& element);
 /// Reads a <sensor> into the scene's camera and filter.
 void read_sensor(Context& context, const Element& element);
-
-/// Meshes of a file: OBJ, PLY or glTF by assimp, all of it merged. `flips_v`: texture coordinates count from the bottom.
-[[nodiscard]] TriangleMesh<float> read_mesh(const Element& element, const std::filesystem::path& path, bool flips_v);
-/// Mesh number `index` of a Mitsuba .serialized file.
-[[nodiscard]] TriangleMesh<float> read_serialized(const Element& element, const std::filesystem::path& path, int index);
 
 }  // namespace manylight::scene_file

@@ -30,7 +30,7 @@ void read_integrator(Context& context, const Element& element) {
     context.scene.max_depth = *depth;
   }
   if (p.flag("hide_emitters", false)) fail(element, "hide_emitters is not supported");
-  p.ignore({"rr_depth", "strict_normals", "emitter_samples", "bsdf_samples", "shading_samples", "light_image",
+  p.ignore({"rr_depth", "strict_normals", "version", "emitter_samples", "bsdf_samples", "shading_samples", "light_image",
             "sample_direct"});
   p.finish();
 }
@@ -48,7 +48,7 @@ void read_children(Context& context, const Element& root) {
   for (const Properties::Item* item : p.take_all("medium")) {
     fail(*item->element, "participating media are not supported yet");
   }
-  p.ignore_tags({"texture", "alias", "default", "path"});  // used where they are referred to
+  p.ignore_tags({"texture", "alias"});  // they count where they are referred to
   p.finish();
 }
 

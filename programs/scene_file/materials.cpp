@@ -11,27 +11,40 @@ namespace manylight::scene_file {
 namespace {
 
 constexpr double k_unbounded = 3e38;
+
+/// References double the work at each level: a file of a few lines must not keep the loader busy for ever.
+constexpr int k_max_materials = 1'000'000;
+
 const char* const k_supported =
     "unknown material; supported are diffuse, roughdiffuse, phong, ward, conductor, roughconductor, plastic, "
-    "roughplastic, dielectric, thindielectric, mask, twosided, blendbsdf and mixturebsdf";
+    "roughplastic, dielectric, thindielectric, null, mask, twosided, blendbsdf and mixturebsdf";
 
 MaterialDescription parse(Context& context, const Element& element);
 
 /// Index of refraction: a number or the name of a substance.
 float take_ior(Properties& p, const char* name, double otherwise) {
-  static const std::array<std::pair<const char*, double>, 14> known{{{"vacuum", 1.0},
+  static const std::array<std::pair<const char*, double>, 23> known{{{"vacuum", 1.0},
                                                                      {"helium", 1.000036},
                                                                      {"hydrogen", 1.000132},
                                                                      {"air", 1.000277},
                                                                      {"carbon dioxide", 1.00045},
+                                                                     {"water ice", 1.31},
                                                                      {"water", 1.3330},
                                                                      {"acetone", 1.36},
                                                                      {"ethanol", 1.361},
+                                                                     {"fused quartz", 1.458},
+                                                                     {"carbon tetrachloride", 1.461},
+                                                                     {"pyrex", 1.470},
+                                                                     {"glycerol", 1.4729},
                                                                      {"acrylic glass", 1.49},
                                                                      {"polypropylene", 1.49},
+                                                                     {"benzene", 1.501},
                                                                      {"bk7", 1.5046},
+                                                                     {"silicone oil", 1.52045},
                                                                      {"sodium chloride", 1.544},
                                                                      {"amber", 1.55},
+                                                                     {"pet", 1.5750},
+                                                                     {"bromine", 1.661},
                                                                      {"diamond", 2.419}}};
   const Element* child = p.take(name);
   if (child == nullptr) return static_cast<float>(otherwise);
@@ -85,7 +98,7 @@ void take_metal(Context& context, Properties& p, MaterialDescription& m) {
     m.k = parse_color(context, *k, SpectrumRole::ratio) / outside;
     return;
   }
-  const auto metal = find_metal<float>(name.value_or("Cu"));
+  const auto metal = find_metal<float>(name.value_or(context.document.major_version >= 2 ? "none" : "Cu"));
   if (!metal) fail(p.element(), "unknown metal '" + *name + "'");
   m.eta = metal->eta / outside;
   m.k = metal->k / outside;
@@ -209,6 +222,7 @@ void parse_plain(Context& context, Properties& p, const std::string& type, Mater
 
 MaterialDescription parse(Context& context, const Element& element) {
   if (element.tag != "bsdf") fail(element, "wrong kind of element, expected <bsdf>");
+  if (++context.parsed_materials > k_max_materials) fail(element, "too many nested materials");
   const std::string& type = element.get("type");
   Properties p(element, context.names);
   MaterialDescription m;
@@ -218,6 +232,8 @@ MaterialDescription parse(Context& context, const Element& element) {
     m = parse_mask(context, p);
   } else if (type == "blendbsdf" || type == "mixturebsdf") {
     m = parse_mix(context, p, type == "blendbsdf");
+  } else if (type == "null") {
+    m.opacity = Texture<float>(0.0F);  // all light goes straight on
   } else if (type == "phong" || type == "ward") {
     parse_lobes(context, p, type, m);
   } else if (type == "diffuse" || type == "roughdiffuse" || type == "conductor" || type == "roughconductor" ||

@@ -1,19 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// Mesh files: OBJ, PLY and glTF through assimp, and Mitsuba's .serialized.
-#include <zlib.h>
-
-#include <array>
-#include <cstring>
-#include <fstream>
-
-#include <assimp/Importer.hpp>
+// glTF through assimp.
 #include <assimp/config.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
+
+#include <assimp/Importer.hpp>
+#include <fstream>
 #include <glm/mat4x4.hpp>
+#include <iterator>
 
 #include "manylight/geometry/transform.hpp"
-#include "scene_file/context.hpp"
+#include "scene_file/mesh_files.hpp"
 
 namespace manylight::scene_file {
 
@@ -22,8 +19,6 @@ namespace {
 [[noreturn]] void fail_file(const std::filesystem::path& path, const std::string& reason) {
   throw SceneFileError(path.string(), 0, "", reason);
 }
-
-// ---- assimp ----------------------------------------------------------------------------------
 
 Vec3<float> to_vec(const aiVector3D& v) { return {v.x, v.y, v.z}; }
 
@@ -82,150 +77,29 @@ void collect(const std::filesystem::path& path, const aiScene& scene, const aiNo
   for (unsigned i = 0; i < node.mNumChildren; ++i) collect(path, scene, *node.mChildren[i], to_world, flips_v, mesh);
 }
 
-// ---- .serialized -----------------------------------------------------------------------------
-
-constexpr std::uint32_t k_has_normals = 0x0001;
-constexpr std::uint32_t k_has_uvs = 0x0002;
-constexpr std::uint32_t k_has_colors = 0x0008;
-constexpr std::uint32_t k_double_precision = 0x2000;
-
-/// Inflates the zlib stream that starts behind the four header bytes of a mesh, piece by piece.
-class InflateReader {
- public:
-  InflateReader(const std::filesystem::path& path, const std::vector<char>& data, std::size_t begin, std::size_t end)
-      : path_(path) {
-    // zlib's interface takes a pointer to non-const that it does not write through.
-    stream_.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(data.data() + begin));
-    stream_.avail_in = static_cast<uInt>(end - begin);
-    if (inflateInit(&stream_) != Z_OK) fail_file(path_, "cannot be inflated");
-  }
-  ~InflateReader() { inflateEnd(&stream_); }
-  InflateReader(const InflateReader&) = delete;
-  InflateReader& operator=(const InflateReader&) = delete;
-
-  void read(void* target, std::size_t size) {
-    auto* out = static_cast<Bytef*>(target);
-    while (size > 0) {
-      const auto piece = static_cast<uInt>(std::min<std::size_t>(size, 1U << 30U));
-      stream_.next_out = out;
-      stream_.avail_out = piece;
-      const int code = inflate(&stream_, Z_SYNC_FLUSH);
-      const std::size_t got = piece - stream_.avail_out;
-      if ((code != Z_OK && code != Z_STREAM_END) || got == 0) fail_file(path_, "mesh data is truncated or damaged");
-      out += got;
-      size -= got;
-    }
-  }
-  template <class T>
-  [[nodiscard]] T value() {
-    T result{};
-    read(&result, sizeof(T));
-    return result;
-  }
-
- private:
-  const std::filesystem::path& path_;
-  z_stream stream_{};
-};
-
-template <class T>
-T value_at(const std::filesystem::path& path, const std::vector<char>& data, std::size_t offset) {
-  if (offset + sizeof(T) > data.size()) fail_file(path, "is truncated");
-  T result;
-  std::memcpy(&result, data.data() + offset, sizeof(T));
-  return result;
-}
-
-std::vector<float> read_floats(InflateReader& in, std::size_t count, bool is_double) {
-  std::vector<float> values;
-  constexpr std::size_t k_chunk = 1U << 16U;  // grown piece by piece: a damaged count must not exhaust memory
-  while (values.size() < count) {
-    const std::size_t n = std::min(k_chunk, count - values.size());
-    const std::size_t first = values.size();
-    values.resize(first + n);
-    if (is_double) {
-      std::vector<double> wide(n);
-      in.read(wide.data(), n * sizeof(double));
-      for (std::size_t i = 0; i < n; ++i) values[first + i] = static_cast<float>(wide[i]);
-    } else {
-      in.read(values.data() + first, n * sizeof(float));
-    }
-  }
-  return values;
-}
-
-std::vector<Vec3<float>> as_vectors(const std::vector<float>& values) {
-  std::vector<Vec3<float>> result;
-  for (std::size_t i = 0; i + 2 < values.size(); i += 3) result.emplace_back(values[i], values[i + 1], values[i + 2]);
-  return result;
-}
-
-TriangleMesh<float> inflate_mesh(const std::filesystem::path& path, InflateReader& in, int version) {
-  const auto flags = in.value<std::uint32_t>();
-  if (version >= 4) {
-    while (in.value<char>() != 0) {
-    }  // the mesh's name
-  }
-  const auto vertex_count = in.value<std::uint64_t>();
-  const auto triangle_count = in.value<std::uint64_t>();
-  if (vertex_count > 0xFFFFFFFFU || triangle_count > 0xFFFFFFFFU) fail_file(path, "mesh data is damaged");
-  const bool is_double = (flags & k_double_precision) != 0;
-  TriangleMesh<float> mesh;
-  mesh.positions = as_vectors(read_floats(in, 3 * vertex_count, is_double));
-  if ((flags & k_has_normals) != 0) mesh.normals = as_vectors(read_floats(in, 3 * vertex_count, is_double));
-  if ((flags & k_has_uvs) != 0) {
-    const std::vector<float> uvs = read_floats(in, 2 * vertex_count, is_double);
-    for (std::size_t i = 0; i + 1 < uvs.size(); i += 2) mesh.uvs.emplace_back(uvs[i], uvs[i + 1]);
-  }
-  if ((flags & k_has_colors) != 0) static_cast<void>(read_floats(in, 3 * vertex_count, is_double));
-  for (std::uint64_t i = 0; i < triangle_count; ++i) {
-    std::array<std::uint32_t, 3> triangle{};
-    in.read(triangle.data(), sizeof(triangle));
-    mesh.triangles.push_back(triangle);
-  }
-  return mesh;
-}
-
 }  // namespace
 
-TriangleMesh<float> read_mesh(const Element& element, const std::filesystem::path& path, bool flips_v) {
+TriangleMesh<float> read_gltf(const std::filesystem::path& path, bool flips_v) {
   Assimp::Importer importer;
   importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
-  const aiScene* scene = importer.ReadFile(path.string(), aiProcess_Triangulate | aiProcess_JoinIdenticalVertices);
+  const aiScene* scene = importer.ReadFile(path.string(), aiProcess_Triangulate);
   if (scene == nullptr || scene->mRootNode == nullptr) {
-    std::string reason = importer.GetErrorString();
+    const std::string reason = importer.GetErrorString();
     fail_file(path, reason.empty() ? "cannot be read" : reason);
   }
   TriangleMesh<float> mesh;
+  // assimp turns the v of glTF, which counts from the top, to count from the bottom.
   collect(path, *scene, *scene->mRootNode, glm::mat4(1.0F), flips_v, mesh);
-  if (mesh.triangles.empty()) fail(element, path.string() + " holds no triangles");
+  if (mesh.triangles.empty()) fail_file(path, "empty mesh: the file holds no triangles");
   return mesh;
 }
 
-TriangleMesh<float> read_serialized(const Element& element, const std::filesystem::path& path, int index) {
+std::string read_file_bytes(const std::filesystem::path& path) {
+  std::error_code ignored;
+  if (std::filesystem::is_directory(path, ignored)) fail_file(path, "is a folder, not a mesh file");
   std::ifstream in(path, std::ios::binary);
-  const std::vector<char> data{std::istreambuf_iterator<char>(in), {}};
-  if (!in.good() && !in.eof()) fail_file(path, "cannot be read");
-  if (value_at<std::uint16_t>(path, data, 0) != 0x041C) fail_file(path, "is not a .serialized mesh file");
-  const int version = value_at<std::uint16_t>(path, data, 2);
-  if (version != 3 && version != 4) fail_file(path, "has version " + std::to_string(version) + ", supported are 3 and 4");
-  const auto count = value_at<std::uint32_t>(path, data, data.size() - 4);
-  const std::size_t width = version == 4 ? 8 : 4;
-  if (count == 0 || count > data.size() / width) fail_file(path, "mesh table is damaged");
-  if (index < 0 || static_cast<std::uint32_t>(index) >= count) {
-    fail(element, "shape_index is " + std::to_string(index) + ", allowed: 0 to " + std::to_string(count - 1));
-  }
-  const std::size_t table = data.size() - 4 - count * width;
-  const auto offset = [&](std::size_t i) -> std::size_t {
-    if (i == count) return table;
-    return version == 4 ? static_cast<std::size_t>(value_at<std::uint64_t>(path, data, table + i * width))
-                        : value_at<std::uint32_t>(path, data, table + i * width);
-  };
-  const std::size_t begin = offset(static_cast<std::size_t>(index)) + 4;
-  const std::size_t end = offset(static_cast<std::size_t>(index) + 1);
-  if (begin >= end || end > data.size()) fail_file(path, "mesh table is damaged");
-  InflateReader reader(path, data, begin, end);
-  return inflate_mesh(path, reader, version);
+  if (!in) fail_file(path, "no such file, or not readable");
+  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
 }
 
 }  // namespace manylight::scene_file

@@ -26,6 +26,22 @@ Names::Names(const Element& root) {
     if (target == targets_.end()) fail(*child, "refers to unknown id " + in_quotes(child->get("id")));
     add(*child, child->get("as"), *target->second);
   }
+  static_cast<void>(depth_below(root, 0));
+}
+
+int Names::depth_below(const Element& element, int depth) {
+  constexpr int k_deepest = 200;
+  if (depth > k_deepest) fail(element, "refers to itself, or references are nested too deeply");
+  const auto known = depths_.find(&element);
+  if (known != depths_.end()) return known->second;
+  int deepest = 0;
+  for (const auto& child : element.children) {
+    const Element& target = child->tag == "ref" ? resolve(*child) : *child;
+    deepest = std::max(deepest, 1 + depth_below(target, depth + 1));
+  }
+  if (depth + deepest > k_deepest) fail(element, "refers to itself, or references are nested too deeply");
+  depths_[&element] = deepest;
+  return deepest;
 }
 
 void Names::collect(const Element& element) {

@@ -17,7 +17,8 @@ namespace manylight::scene_file {
 /// The elements with an id; <ref> and <alias> lead to them.
 class Names {
  public:
-  /// Collects the ids of a document. Throws SceneFileError for one that is given twice or an alias to nothing.
+  /// Collects the ids of a document. Throws SceneFileError for one that is given twice, an alias to nothing, and
+  /// references that lead back to themselves.
   explicit Names(const Element& root);
   /// The element that a <ref> leads to. Throws SceneFileError at `reference`.
   [[nodiscard]] const Element& resolve(const Element& reference) const;
@@ -25,8 +26,11 @@ class Names {
  private:
   void collect(const Element& element);
   void add(const Element& where, const std::string& id, const Element& target);
+  /// Levels of elements below one, references followed. Throws SceneFileError where they lead back to themselves.
+  int depth_below(const Element& element, int depth);
 
   std::map<std::string, const Element*, std::less<>> targets_;
+  std::map<const Element*, int> depths_;
 };
 
 /// Numbers separated by white space or commas, each finite. Throws SceneFileError at `element`.

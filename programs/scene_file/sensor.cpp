@@ -12,7 +12,7 @@ void read_filter(Context& context, const Element& element) {
   Properties p(element, context.names);
   const std::string& type = element.get("type");
   if (type == "box") {
-    p.ignore({"radius"});
+    if (p.positive("radius", 0.5) != 0.5) fail(element, "a box filter has radius 0.5; others are not supported");
     context.scene.filter = ReconstructionFilter<float>::box();
   } else if (type == "tent") {
     context.scene.filter = ReconstructionFilter<float>::tent(static_cast<float>(p.positive("radius", 1.0)));
@@ -44,7 +44,7 @@ void read_film(Context& context, const Element& element) {
   camera.height = take_extent(p, "height", camera.height);
   for (const Properties::Item* filter : p.take_all("rfilter")) read_filter(context, *filter->element);
   p.ignore({"file_format", "pixel_format", "component_format", "gamma", "exposure", "banner", "high_quality_edges",
-            "attach_log", "tonemap_method", "key", "burn"});
+            "attach_log", "tonemap_method", "key", "burn", "sample_border"});
   p.finish();
 }
 
@@ -58,6 +58,29 @@ FovAxis take_axis(Properties& p) {
   fail(p.element(), "unknown fov_axis '" + name + "'; supported are x, y, diagonal, smaller and larger");
 }
 
+/// "50mm" or "50": focal length on 36 x 24 mm film, whose diagonal the angle spans. [Mitsuba's default]
+double take_focal_length(Properties& p) {
+  std::string text = p.text("focal_length").value_or("50mm");
+  if (text.size() > 2 && text.compare(text.size() - 2, 2, "mm") == 0) text.resize(text.size() - 2);
+  const double length = parse_number(p.element(), text);
+  if (!(length > 0)) fail(p.element(), "focal_length is '" + text + "', allowed: above 0 mm");
+  return length;
+}
+
+void take_field_of_view(Properties& p, CameraDescription& camera) {
+  const auto fov = p.number("fov");
+  if (!fov) {
+    camera.fov_axis = FovAxis::diagonal;
+    camera.fov_degrees =
+        static_cast<float>(std::atan(std::hypot(36.0, 24.0) / (2.0 * take_focal_length(p))) * 360.0 / k_pi<double>);
+    p.ignore({"fov_axis"});
+    return;
+  }
+  camera.fov_axis = take_axis(p);
+  camera.fov_degrees = static_cast<float>(*fov);
+  if (!(*fov > 0 && *fov < 180)) fail(p.element(), "fov is out of range, allowed: above 0, below 180 degrees");
+}
+
 }  // namespace
 
 void read_sensor(Context& context, const Element& element) {
@@ -66,15 +89,16 @@ void read_sensor(Context& context, const Element& element) {
   Properties p(element, context.names);
   CameraDescription& camera = context.scene.camera;
   camera.to_world = take_transform(p, "to_world");
-  camera.fov_axis = take_axis(p);
-  camera.fov_degrees = static_cast<float>(p.positive("fov", 50.0));
-  if (!(camera.fov_degrees < 180)) fail(element, "fov is out of range, allowed: above 0, below 180 degrees");
+  take_field_of_view(p, camera);
   const double focus = p.positive("focus_distance", 1.0);
   if (type == "thinlens") {
     camera.aperture_radius = static_cast<float>(p.positive("aperture_radius", 0.1));
     camera.focus_distance = static_cast<float>(focus);
   }
   for (const Properties::Item* film : p.take_all("film")) read_film(context, *film->element);
+  for (const Properties::Item* medium : p.take_all("medium")) {
+    fail(*medium->place, "the camera is in a medium: participating media are not supported yet");
+  }
   p.ignore_tags({"sampler"});
   p.ignore({"near_clip", "far_clip", "shutter_open", "shutter_close"});
   p.finish();

@@ -5,6 +5,7 @@
 #include "manylight/geometry/validate.hpp"
 #include "manylight/geometry/vertex_normals.hpp"
 #include "scene_file/context.hpp"
+#include "scene_file/mesh_files.hpp"
 
 namespace manylight::scene_file {
 
@@ -41,10 +42,10 @@ TriangleMesh<float> mesh_of(Context& context, Properties& p, const std::string& 
   const std::filesystem::path path = take_file(context, p);
   TriangleMesh<float> mesh;
   if (type == "serialized") {
-    mesh = read_serialized(p.element(), path, p.integer("shape_index").value_or(0));
+    mesh = read_serialized(path, p.integer("shape_index").value_or(0));
   } else {
     const bool flips = p.flag("flip_tex_coords", type != "ply");
-    mesh = read_mesh(p.element(), path, flips);
+    mesh = type == "obj" ? read_obj(path, flips) : type == "ply" ? read_ply(path, flips) : read_gltf(path, flips);
   }
   validate(mesh, path.string());
   set_normals(p, mesh);
@@ -52,19 +53,22 @@ TriangleMesh<float> mesh_of(Context& context, Properties& p, const std::string& 
 }
 
 /// The coefficient of a purely absorbing interior; black without one.
-Rgb<float> take_absorption(Context& context, Properties& p) {
+Rgb<float> take_absorption(Context& context, Properties& p, std::uint32_t material) {
   const Element* medium = p.take("interior");
   if (p.take("exterior") != nullptr) fail(p.element(), "an exterior medium: participating media are not supported yet");
   if (medium == nullptr) return Rgb<float>(0);
+  const char* const unsupported =
+      "participating media are not supported yet, only homogeneous absorption inside of a dielectric";
+  if (medium->tag != "medium" || medium->get("type") != "homogeneous") fail(*medium, unsupported);
   Properties m(*medium, context.names);
-  const char* const unsupported = "participating media are not supported yet, only homogeneous absorption";
-  if (medium->get("type") != "homogeneous") fail(*medium, unsupported);
   const Rgb<float> sigma_s = take_color(context, m, "sigma_s", SpectrumRole::ratio, Rgb<float>(0));
   const Rgb<float> sigma_a = take_color(context, m, "sigma_a", SpectrumRole::ratio, Rgb<float>(0));
   const Rgb<float> sigma_t = take_color(context, m, "sigma_t", SpectrumRole::ratio, sigma_a);
   const Rgb<float> albedo = take_color(context, m, "albedo", SpectrumRole::ratio, Rgb<float>(0));
   const auto scale = static_cast<float>(m.positive("scale", 1.0));
-  if (!is_black(sigma_s) || !is_black(albedo)) fail(*medium, unsupported);
+  const MaterialKind kind = context.scene.materials[material].kind;
+  const bool is_dielectric = kind == MaterialKind::dielectric || kind == MaterialKind::thin_dielectric;
+  if (!is_black(sigma_s) || !is_black(albedo) || !is_dielectric) fail(*medium, unsupported);
   m.ignore_tags({"phase"});
   m.finish();
   return sigma_t * scale;
@@ -96,15 +100,12 @@ void take_area_emitter(Context& context, Properties& p, std::uint32_t shape) {
   context.scene.emitters.areas.push_back({shape, radiance.value_or(Texture<float>(1.0F)), false});
 }
 
-}  // namespace
-
-void add_shape(Context& context, const Element& element) {
+void add_geometry(Context& context, Properties& p) {
+  const Element& element = p.element();
   const std::string& type = element.get("type");
-  Properties p(element, context.names);
   const glm::mat4 to_world = take_transform(p, "to_world");
   const bool flips = p.flag("flip_normals", false);
   Shapes<float>& shapes = context.scene.shapes;
-  // Ids count meshes, spheres, disks; infos are kept in file order and sorted at the end (see finish_shapes).
   if (type == "sphere") {
     Sphere<float> sphere;
     sphere.center = p.vector("center").value_or(Vec3<float>(0));
@@ -126,10 +127,22 @@ void add_shape(Context& context, const Element& element) {
   } else {
     fail(element, k_supported);
   }
+}
+
+}  // namespace
+
+void add_shape(Context& context, const Element& element) {
+  Properties p(element, context.names);
+  try {
+    add_geometry(context, p);
+  } catch (const GeometryError& error) {
+    fail(element, error.what());
+  }
+  // Ids count meshes, spheres, disks; infos are kept in file order and sorted at the end (see sort_shapes).
   ShapeDescription info;
   info.name = element.has("id") ? element.get("id") : element.describe();
-  info.interior_absorption = take_absorption(context, p);
   info.material = take_material(context, p);
+  info.interior_absorption = take_absorption(context, p, info.material);
   take_area_emitter(context, p, static_cast<std::uint32_t>(context.scene.shape_infos.size()));
   context.scene.shape_infos.push_back(std::move(info));
   p.finish();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Oracle: sampling. Directions inside a cone, and vectors between points of two boxes, are drawn at random; no bound may
-// be exceeded by any of them. References are computed in long double, so that only the code's own rounding is judged.
+// Oracle: sampling. Directions inside a cone, and vectors between points of two boxes, are drawn at random; no bound
+// may be exceeded by any of them. References are computed in long double, so that only the code's own rounding is
+// judged.
 
 #include <gtest/gtest.h>
 
@@ -98,7 +99,7 @@ TYPED_TEST(Cones, MaxCosineIsTight) {
   }
 }
 
-// Planted bug seen to fail: half = reach / 2.
+// Planted bugs seen to fail: half = reach / 2; the wider cone chosen by the cosine, which is 1 for all narrow ones.
 TYPED_TEST(Cones, UnionHoldsBothAndStaysSmall) {
   using S = TypeParam;
   const double epsilon = static_cast<double>(std::numeric_limits<S>::epsilon());
@@ -125,8 +126,8 @@ TYPED_TEST(Cones, UnionHoldsBothAndStaysSmall) {
       ASSERT_LE(this->angle(glm::normalize(WideVec(both.axis)), this->inside(k % 2 == 0 ? a : b)), half + 20 * epsilon);
     }
     const Wide between = this->angle(WideVec(a.axis), WideVec(b.axis));
-    const Wide least = std::max({Wide(a.half_angle()), Wide(b.half_angle()),
-                                 (between + a.half_angle() + b.half_angle()) / 2});
+    const Wide least =
+        std::max({Wide(a.half_angle()), Wide(b.half_angle()), (between + a.half_angle() + b.half_angle()) / 2});
     ASSERT_LE(static_cast<double>(half), static_cast<double>(least) + 200 * epsilon);  // slack of 64, rounding
   }
 }
@@ -178,13 +179,13 @@ Vec3<S> point_of(Fixture& f, const Box<S>& box) {
   Vec3<S> p;
   for (int axis = 0; axis < 3; ++axis) {
     const Wide u = f.uniform() < 0.3 ? (f.uniform() < 0.5 ? 0 : 1) : f.uniform();  // corners and faces, too
-    p[axis] = std::clamp(static_cast<S>(box.lo[axis] + u * (Wide(box.hi[axis]) - box.lo[axis])), box.lo[axis],
-                         box.hi[axis]);
+    p[axis] =
+        std::clamp(static_cast<S>(box.lo[axis] + u * (Wide(box.hi[axis]) - box.lo[axis])), box.lo[axis], box.hi[axis]);
   }
   return p;
 }
 
-// O-28. Planted bugs seen to fail: a box half as large, `to.lo - from.lo`, the cone's sine from the half extent's
+// O-28. Planted bugs seen to fail: `to.lo - from.lo`; the cone's sine from the half extent's
 // largest component.
 TYPED_TEST(Boxes, DistanceAndDirectionsHoldForSampledPairs) {
   using S = TypeParam;

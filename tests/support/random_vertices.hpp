@@ -118,9 +118,10 @@ class RandomVertices {
     s.vertex.strength = color(0.05, 1) * log_uniform(0.1, 10);
     const int bounces = static_cast<int>(uniform(0, 3.999)) - 1;
     for (int i = 0; i < bounces; ++i) {
+      // Sharp bounces in a row keep the limit of directionality off, so that used-up energy is what limits the rest.
+      const S m = chance(0.6) ? log_uniform(400, 4000) : log_uniform(0.01, 400);
       s.record = chance(0.15) ? weighting.extend_delta(s.record)
-                              : weighting.extend(s.record, log_uniform(0.01, 3000), log_uniform(0.01, 3000),
-                                                 log_uniform(1e-3, 1e3));
+                              : weighting.extend(s.record, m, log_uniform(0.01, 3000), log_uniform(1e-6, 1e3));
     }
     return s;
   }

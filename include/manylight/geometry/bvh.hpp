@@ -36,7 +36,7 @@ enum class Order { nearest_first, any };
 /// Nodes have as many children as a vector register has lanes (8 floats with AVX, 4 without). Triangles are tested a
 /// pack at a time, watertight at shared edges; spheres and disks are analytic. Where two hits have the same t, the one
 /// of smaller (shape, primitive) is the closest, so results do not depend on the tree. Zero-area triangles are never
-/// hit. About 80 bytes per triangle besides the shapes.
+/// hit. About 65 bytes per triangle besides the shapes.
 template <std::floating_point S>
 class Bvh {
  public:
@@ -57,7 +57,8 @@ class Bvh {
   [[nodiscard]] const Shapes<S>& shapes() const noexcept { return shapes_; }
   /// Bytes of the hierarchy and its packed triangles, without the shapes.
   [[nodiscard]] std::size_t bytes() const noexcept {
-    return nodes_.size() * sizeof(Node) + packs_.size() * sizeof(TrianglePack) + analytic_.size() * sizeof(std::uint32_t);
+    return nodes_.size() * sizeof(Node) + packs_.size() * sizeof(TrianglePack) +
+           analytic_.size() * sizeof(std::uint32_t);
   }
 
  private:
@@ -202,7 +203,8 @@ void Bvh<S>::collapse(const std::vector<BinaryNode>& binary, const std::vector<R
 
 // ---- queries --------------------------------------------------------------------------------
 
-/// Visits the leaves that the ray enters before `t_max`, which may shrink meanwhile; `leaf(child)` returns true to stop.
+/// Visits the leaves that the ray enters before `t_max`, which may shrink meanwhile; `leaf(child)` returns true to
+/// stop.
 template <std::floating_point S>
 template <detail::Order order, class Leaf>
 void Bvh<S>::walk(const Ray<S>& ray, const S& t_max, const Leaf& leaf) const {
@@ -239,7 +241,8 @@ void Bvh<S>::walk(const Ray<S>& ray, const S& t_max, const Leaf& leaf) const {
   }
 }
 
-/// Of `nearest` and the node's children in `lanes`, returns the one entered first and pushes the others, far ones first.
+/// Of `nearest` and the node's children in `lanes`, returns the one entered first and pushes the others, far ones
+/// first.
 template <std::floating_point S>
 auto Bvh<S>::push_all_but_nearest(Waiting nearest, const Node& node, const Pack& entry, detail::LaneSet lanes,
                                   Waiting* stack, std::size_t& size) noexcept -> ChildRef {
@@ -286,9 +289,9 @@ std::optional<Hit<S>> Bvh<S>::closest_hit(const Ray<S>& ray) const noexcept {
   S t_max = ray.t_max;
   walk<detail::Order::nearest_first>(ray, t_max, [&](ChildRef leaf) {
     test_leaf(leaf, ray, shear, t_max, [&](const Hit<S>& hit) {
-      const bool wins = !closest || hit.t < closest->t ||
-                        (hit.t == closest->t && std::pair(hit.shape, hit.primitive) <
-                                                    std::pair(closest->shape, closest->primitive));
+      const bool wins =
+          !closest || hit.t < closest->t ||
+          (hit.t == closest->t && std::pair(hit.shape, hit.primitive) < std::pair(closest->shape, closest->primitive));
       if (wins) {
         closest = hit;
         t_max = hit.t;

@@ -44,10 +44,10 @@ struct BinaryNode {
 };
 
 struct BvhBuildConfig {
-  std::uint32_t leaf_lanes = 8;       ///< primitives tested at the cost of one
-  std::uint32_t max_leaf_size = 8;    ///< references
-  float traversal_cost = 1.0f;        ///< of an inner node, in units of one test of `leaf_lanes` primitives
-  std::uint32_t max_sah_depth = 64;   ///< below it, halving by index: bounds the depth to this + 32
+  std::uint32_t leaf_lanes = 8;      ///< primitives tested at the cost of one
+  std::uint32_t max_leaf_size = 8;   ///< references
+  float traversal_cost = 1.0f;       ///< of an inner node, in units of one test of `leaf_lanes` primitives
+  std::uint32_t max_sah_depth = 64;  ///< below it, halving by index: bounds the depth to this + 32
 };
 
 template <std::floating_point S>
@@ -194,8 +194,8 @@ std::uint32_t BvhBuilder<S>::split(std::vector<Ref>& refs, const Node& node, std
       const float area = static_cast<float>(node.box.half_area());
       const float split_cost = config_.traversal_cost * area + best.cost;
       if (node.count > config_.max_leaf_size || split_cost < leaf_cost(node.count) * area) {
-        const auto middle = std::partition(
-            first, last, [&](const Ref& ref) { return binning.bin(ref, best.axis) < best.bin; });
+        const auto middle =
+            std::partition(first, last, [&](const Ref& ref) { return binning.bin(ref, best.axis) < best.bin; });
         return static_cast<std::uint32_t>(middle - refs.begin());
       }
     }

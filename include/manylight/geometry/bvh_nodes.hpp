@@ -92,7 +92,8 @@ struct SlabRay {
     // never makes a NaN.
     constexpr S k_tiny = sizeof(S) == 4 ? S(1e-18) : S(1e-150);
     // Slabs are widened by the rounding of subtraction, inverse and product, and once more by what the triangle test
-    // itself may be off: a hit it reports is never behind a box it did not enter. [Ize 2013, "Robust BVH Ray Traversal"]
+    // itself may be off: a hit it reports is never behind a box it did not enter. [Ize 2013, "Robust BVH Ray
+    // Traversal"]
     constexpr S k_slack = rounding_gamma<S>(6);
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const auto component = static_cast<int>(axis);
@@ -137,7 +138,8 @@ struct alignas(64) TrianglePack {
 
   void set(std::size_t lane, const std::array<Vec3<S>, 3>& p, std::uint32_t shape, std::uint32_t primitive) noexcept {
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      for (std::size_t corner = 0; corner < 3; ++corner) corners[axis][corner][lane] = p[corner][static_cast<int>(axis)];
+      for (std::size_t corner = 0; corner < 3; ++corner)
+        corners[axis][corner][lane] = p[corner][static_cast<int>(axis)];
     }
     shapes[lane] = shape;
     primitives[lane] = primitive;
@@ -147,8 +149,8 @@ struct alignas(64) TrianglePack {
 /// A ray prepared for triangle tests: the axis along which it runs fastest becomes z, and a shear turns it onto z.
 template <std::floating_point S>
 struct ShearRay {
-  std::array<std::size_t, 3> axis;     ///< world axes that serve as x, y, z
-  std::array<Pack<S>, 3> origin;       ///< in that order
+  std::array<std::size_t, 3> axis;  ///< world axes that serve as x, y, z
+  std::array<Pack<S>, 3> origin;    ///< in that order
   Pack<S> shear_x, shear_y, inverse_z;
   Pack<S> t_min;
 

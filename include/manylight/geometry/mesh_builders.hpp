@@ -47,15 +47,16 @@ template <std::floating_point S>
   return transform(std::move(mesh), m);
 }
 
-/// The cube [-1,1]^3 moved by `m`: each face has its own four vertices, outward normals and uv over [0,1]^2, laid out as
-/// Mitsuba's cube.
+/// The cube [-1,1]^3 moved by `m`: each face has its own four vertices, outward normals and uv over [0,1]^2, laid out
+/// as Mitsuba's cube.
 template <std::floating_point S>
 [[nodiscard]] TriangleMesh<S> cube_mesh(const Mat4<S>& m = Mat4<S>(S(1))) {
   struct Face {
     Vec3<S> u_axis, v_axis;
   };
-  const std::array<Face, 6> faces{Face{{0, 0, 1}, {1, 0, 0}},  Face{{-1, 0, 0}, {0, 0, -1}}, Face{{0, 1, 0}, {0, 0, -1}},
-                                  Face{{0, 1, 0}, {1, 0, 0}},  Face{{0, 1, 0}, {0, 0, 1}},   Face{{0, -1, 0}, {1, 0, 0}}};
+  const std::array<Face, 6> faces{Face{{0, 0, 1}, {1, 0, 0}},  Face{{-1, 0, 0}, {0, 0, -1}},
+                                  Face{{0, 1, 0}, {0, 0, -1}}, Face{{0, 1, 0}, {1, 0, 0}},
+                                  Face{{0, 1, 0}, {0, 0, 1}},  Face{{0, -1, 0}, {1, 0, 0}}};
   TriangleMesh<S> mesh;
   for (const Face& face : faces) {
     // v runs against the right-handed order of the other two axes.

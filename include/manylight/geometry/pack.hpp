@@ -44,8 +44,8 @@ template <std::floating_point S>
   return a > b ? a : b;
 }
 
-/// a * b - c * d with both products rounded: its sign is then the exact one or 0. Fused into one multiply-add, which the
-/// compilers do unasked, the sign could be wrong, and swapping (a, b) with (c, d) would not just negate the result.
+/// a * b - c * d with both products rounded: its sign is then the exact one or 0. Fused into one multiply-add, which
+/// the compilers do unasked, the sign could be wrong, and swapping (a, b) with (c, d) would not just negate the result.
 template <std::floating_point S>
 [[nodiscard]] inline Pack<S> difference_of_products(const Pack<S>& a, const Pack<S>& b, const Pack<S>& c,
                                                     const Pack<S>& d) noexcept {

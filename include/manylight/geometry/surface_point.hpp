@@ -33,7 +33,8 @@ template <std::floating_point S>
 
 /// Derivative of the position by u: solves [dp1 dp2] = [dpdu dpdv] [duv1 duv2]; zero if the uv triangle is degenerate.
 template <std::floating_point S>
-[[nodiscard]] inline Vec3<S> tangent_from_uv(const std::array<Vec3<S>, 3>& p, const std::array<Vec2<S>, 3>& uv) noexcept {
+[[nodiscard]] inline Vec3<S> tangent_from_uv(const std::array<Vec3<S>, 3>& p,
+                                             const std::array<Vec2<S>, 3>& uv) noexcept {
   const Vec2<S> duv1 = uv[1] - uv[0];
   const Vec2<S> duv2 = uv[2] - uv[0];
   const S determinant = duv1.x * duv2.y - duv1.y * duv2.x;
@@ -56,8 +57,7 @@ template <std::floating_point S>
   point.ng = Vec3<S>(glm::normalize(triangle_cross(p[0], p[1], p[2])));
   point.ns = point.ng;
   if (!mesh.normals.empty()) {
-    const Vec3<S> ns =
-        mesh.normals[corner[0]] * b[0] + mesh.normals[corner[1]] * b[1] + mesh.normals[corner[2]] * b[2];
+    const Vec3<S> ns = mesh.normals[corner[0]] * b[0] + mesh.normals[corner[1]] * b[1] + mesh.normals[corner[2]] * b[2];
     const S length = glm::length(ns);
     if (length > S(0) && std::isfinite(length)) {
       point.ns = ns / length;
@@ -118,8 +118,9 @@ template <std::floating_point S>
   point.ns = disk.normal;
   const Vec3<S> radial(from_center);
   const S distance = glm::length(radial);
-  point.uv = {std::min(distance / disk.radius, S(1)),
-              azimuth_fraction(glm::dot(radial, glm::cross(disk.normal, disk.tangent)), glm::dot(radial, disk.tangent))};
+  point.uv = {
+      std::min(distance / disk.radius, S(1)),
+      azimuth_fraction(glm::dot(radial, glm::cross(disk.normal, disk.tangent)), glm::dot(radial, disk.tangent))};
   point.dpdu = distance > S(0) ? radial * (disk.radius / distance) : disk.tangent * disk.radius;
   return point;
 }

@@ -26,8 +26,8 @@ template <class... Parts>
 
 }  // namespace detail
 
-/// Throws GeometryError, naming `name` and the element, if the mesh is empty, an index is out of range, a vertex, normal
-/// or uv is not finite, or the normals or uvs are not one per vertex. Zero-area triangles are legal: never hit.
+/// Throws GeometryError, naming `name` and the element, if the mesh is empty, an index is out of range, a vertex,
+/// normal or uv is not finite, or the normals or uvs are not one per vertex. Zero-area triangles are legal: never hit.
 template <std::floating_point S>
 void validate(const TriangleMesh<S>& mesh, std::string_view name) {
   using detail::throw_geometry_error;

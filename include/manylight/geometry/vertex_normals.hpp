@@ -17,14 +17,15 @@
 
 namespace manylight {
 
-/// Replaces the vertex normals by the mean of the adjacent triangles' normals, each weighted by its angle at the vertex.
-/// A vertex of zero-area triangles only gets (0,0,0), which `surface_point` reads as "use the geometric normal".
-/// [Thürmer and Wüthrich 1998, "Computing Vertex Normals from Polygonal Facets"]
+/// Replaces the vertex normals by the mean of the adjacent triangles' normals, each weighted by its angle at the
+/// vertex. A vertex of zero-area triangles only gets (0,0,0), which `surface_point` reads as "use the geometric
+/// normal". [Thürmer and Wüthrich 1998, "Computing Vertex Normals from Polygonal Facets"]
 template <std::floating_point S>
 void compute_vertex_normals(TriangleMesh<S>& mesh) {
   std::vector<Vec3<double>> sums(mesh.positions.size(), Vec3<double>(0));
   for (const std::array<std::uint32_t, 3>& corner : mesh.triangles) {
-    const std::array<Vec3<double>, 3> p{Vec3<double>(mesh.positions[corner[0]]), Vec3<double>(mesh.positions[corner[1]]),
+    const std::array<Vec3<double>, 3> p{Vec3<double>(mesh.positions[corner[0]]),
+                                        Vec3<double>(mesh.positions[corner[1]]),
                                         Vec3<double>(mesh.positions[corner[2]])};
     const Vec3<double> normal = detail::normalize_or_zero(glm::cross(p[1] - p[0], p[2] - p[0]));
     for (std::size_t i = 0; i < 3; ++i) {

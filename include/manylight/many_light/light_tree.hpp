@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// The light tree of [Walter 2005, section 3.1], built top-down: binary clusters of VPLs with the bounds and the sums that
-// refinement needs. Finite lights, lights at infinity (boxes of unit directions) and exact lights (no clamp in their
-// bound) have a tree each; all roots start in the same cut.
+// The light tree of [Walter 2005, section 3.1], built top-down: binary clusters of VPLs with the bounds and the sums
+// that refinement needs. Finite lights, lights at infinity (boxes of unit directions) and exact lights (no clamp in
+// their bound) have a tree each; all roots start in the same cut.
 
 #include <algorithm>
 #include <cstdint>
@@ -20,17 +20,17 @@ namespace manylight {
 /// A cluster of VPLs. Leaves hold one VPL.
 template <std::floating_point S>
 struct LightNode {
-  Box<S> box;                  ///< of positions, m; of unit directions towards the light if `is_infinite`
-  DirectionCone<S> normals;    ///< of the geometric normals
-  Rgb<S> intensity{0};         ///< sum of I, W
-  S luminance = S(0);          ///< of `intensity`
-  S diffuse = S(0);            ///< D <= min(limit, diffuse max(0, cos) / pi + gloss), cos to the nearest normal
-  S gloss = S(0);              ///< sr^-1
-  std::uint32_t child = 0;     ///< index of the first child, the second follows; of the VPL in a leaf
+  Box<S> box;                ///< of positions, m; of unit directions towards the light if `is_infinite`
+  DirectionCone<S> normals;  ///< of the geometric normals
+  Rgb<S> intensity{0};       ///< sum of I, W
+  S luminance = S(0);        ///< of `intensity`
+  S diffuse = S(0);          ///< D <= min(limit, diffuse max(0, cos) / pi + gloss), cos to the nearest normal
+  S gloss = S(0);            ///< sr^-1
+  std::uint32_t child = 0;   ///< index of the first child, the second follows; of the VPL in a leaf
   bool is_leaf = true;
   bool is_infinite = false;
-  bool is_exact = false;       ///< some VPL is exact: the bound of a pair has no clamp
-  bool is_two_sided = false;   ///< light leaves on both sides of the normals somewhere in the cluster
+  bool is_exact = false;      ///< some VPL is exact: the bound of a pair has no clamp
+  bool is_two_sided = false;  ///< light leaves on both sides of the normals somewhere in the cluster
 };
 
 /// Bound of D of one VPL, for a leaf.
@@ -54,19 +54,24 @@ void set_leaf_pattern(LightNode<S>& node, const Vertex<S, M>& v) noexcept {
       node.diffuse = S(1);
       node.is_two_sided = v.kind == VertexKind::two_sided_area_emitter;
       break;
-    case VertexKind::point_emitter: node.gloss = S(0.25) * k_inv_pi<S>; break;
-    case VertexKind::infinite_emitter: node.gloss = k_inv_pi<S>; break;
+    case VertexKind::point_emitter:
+      node.gloss = S(0.25) * k_inv_pi<S>;
+      break;
+    case VertexKind::infinite_emitter:
+      node.gloss = k_inv_pi<S>;
+      break;
   }
 }
 
 /// Upper bound of min(D, limit) over the cluster for directions `from_light` (unit, away from the VPLs).
 template <std::floating_point S>
-[[nodiscard]] inline S sup_light_pattern(const LightNode<S>& node, const DirectionCone<S>& from_light, S limit) noexcept {
+[[nodiscard]] inline S sup_light_pattern(const LightNode<S>& node, const DirectionCone<S>& from_light,
+                                         S limit) noexcept {
   S cosine = S(1);
   if (node.diffuse > S(0) || node.gloss == k_infinity<S>) {
     cosine = max_cosine(node.normals, from_light);
-    if (node.is_two_sided) cosine = std::max(cosine, max_cosine(node.normals, {-from_light.axis, from_light.cos_half,
-                                                                               from_light.sin_half}));
+    if (node.is_two_sided)
+      cosine = std::max(cosine, max_cosine(node.normals, {-from_light.axis, from_light.cos_half, from_light.sin_half}));
     if (cosine <= S(0) && !(node.gloss < k_infinity<S> && node.gloss > S(0))) return S(0);
   }
   return std::min(limit, node.diffuse * std::max(S(0), cosine) * k_inv_pi<S> + node.gloss);

@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: Apache-2.0
+// manylight-render against images that other renderers made (folder MANYLIGHT_REFERENCE_SCENES).
+#include <cmath>
+#include <vector>
+
+#include <gmock/gmock.h>
+
+#include "image_io/image_io.hpp"
+#include "metrics/metrics.hpp"
+#include "metrics/z_test.hpp"
+#include "programs/program_run.hpp"
+
+namespace manylight {
+namespace {
+
+using test::ProgramRun;
+using test::run_program;
+using test::ScratchTest;
+
+class Reference : public ScratchTest {
+ protected:
+  void SetUp() override {
+    if (folder().empty()) GTEST_SKIP() << "MANYLIGHT_REFERENCE_SCENES is not set: no reference images to compare with";
+    ScratchTest::SetUp();
+  }
+  [[nodiscard]] static std::string folder() { return MANYLIGHT_REFERENCE_SCENES; }
+  [[nodiscard]] Image<float> render(const std::string& scene, const std::string& arguments) const {
+    const std::string out = path("image.pfm").string();
+    const ProgramRun run = run_program(std::string(MANYLIGHT_RENDER_PROGRAM) + " " + folder() + "/" + scene + " -q -o " +
+                                       out + " " + arguments);
+    EXPECT_EQ(run.exit_code, 0) << run.output;
+    return image_io::read_image(out);
+  }
+};
+
+struct ZCase {
+  const char* name;    ///< of the test and the files
+  const char* folder;  ///< inside mitsuba-tests/tests/scenes
+  const char* scene;
+};
+
+class ZTest : public Reference, public ::testing::WithParamInterface<ZCase> {};
+
+/// The peer's own test: floor(2e6 / pixels) samples per pixel, z per XYZ channel against the mean and the variance of
+/// 32,000 samples; at most 0.25 % of the pixel-channels may fail a Sidak level of 1 %.
+TEST_P(ZTest, PathMatchesThePeer) {
+  const std::string base = "mitsuba-tests/tests/scenes/" + std::string(GetParam().folder);
+  const std::string refs = folder() + "/" + base + "/refs/" + GetParam().name;
+  const Image<float> reference = image_io::read_image(refs + "_ref_rgb.exr");
+  const Image<float> variance = image_io::read_image(refs + "_ref_rgb_var.exr");
+  const auto spp = static_cast<unsigned>(2'000'000 / reference.pixels.size());
+  const Image<float> image = render(base + "/" + GetParam().scene, "-m path --spp " + std::to_string(spp));
+  const metrics::ZTestResult result = metrics::z_test(image, reference, variance, spp);
+  EXPECT_TRUE(result.passes) << result.failures << " of " << result.tests << " fail, allowed " << result.allowed
+                             << "; worst z " << result.worst_z << " at (" << result.worst_x << ", " << result.worst_y
+                             << "), mean difference " << metrics::measure(image, reference).signed_difference;
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Scenes, ZTest,
+    ::testing::Values(
+        ZCase{"test_directional", "floating_sphere", "test_directional_direct.xml"},
+        ZCase{"test_texture_interp", "texture_interp", "test_texture_interp_direct.xml"},
+        ZCase{"test_textured_diffuse", "bsdf_spheres", "test_textured_diffuse_path.xml"},
+        ZCase{"test_textured_roughconductor", "bsdf_spheres", "test_textured_roughconductor_path.xml"},
+        ZCase{"test_roughplastic_linear", "bsdf_spheres", "test_roughplastic_linear_path.xml"},
+        ZCase{"test_surf_area_light", "participating_media", "test_surf_area_light_volpath.xml"}),
+    [](const auto& each) { return std::string(each.param.name); });
+
+/// Means of n x n pixels, which turn a large reference into the size of a quick rendering.
+Image<float> shrink(const Image<float>& image, std::uint32_t n) {
+  const Image<double> blocks = metrics::block_means(image, n);
+  Image<float> result(blocks.width, blocks.height);
+  for (std::size_t i = 0; i < blocks.pixels.size(); ++i) result.pixels[i] = Rgb<float>(blocks.pixels[i]);
+  return result;
+}
+
+TEST_F(Reference, CornellBoxMeanWithinHalfAPercent) {
+  const Image<float> reference = shrink(image_io::read_image(folder() + "/cornell-box/TungstenRender.exr"), 4);
+  const Image<float> image = render("cornell-box/scene.xml", "-m path --spp 64 --size 256x256");
+  // 64 samples of 65,536 pixels: standard error of the mean about 0.1 %
+  EXPECT_NEAR(metrics::measure(image, reference).signed_difference, 0.0, 0.005);
+}
+
+TEST_F(Reference, VeachMisMeanWithinHalfAPercent) {
+  const Image<float> reference = shrink(image_io::read_image(folder() + "/veach-mis/TungstenRender.exr"), 4);
+  const Image<float> image = render("veach-mis/scene.xml", "-m path --spp 512 --size 320x180 --max-depth 2");
+  // standard error of the mean below 0.2 %
+  EXPECT_NEAR(metrics::measure(image, reference).signed_difference, 0.0, 0.005);
+}
+
+struct BlockCase {
+  const char* name;
+  const char* scene;
+  const char* reference;
+  const char* size;
+};
+
+class BlockTest : public Reference, public ::testing::WithParamInterface<BlockCase> {};
+
+/// Path-traced by a peer, 12 edges, box filter, 4,096 samples: mean within 1 %, at most 1 % of the 8 x 8 blocks beyond 4
+/// combined standard errors; ours from 8 independent runs, the peer's from its sample count relative to ours.
+TEST_P(BlockTest, PathMatchesThePeerInMeanAndBlocks) {
+  constexpr int k_runs = 8;
+  constexpr double k_samples = 32;
+  const Image<float> reference = image_io::read_image(folder() + "/" + GetParam().reference);
+  const Image<double> expected = metrics::block_means(reference, 8);
+  std::vector<Image<double>> runs;
+  for (int run = 0; run < k_runs; ++run) {
+    runs.push_back(metrics::block_means(
+        render(GetParam().scene, std::string("-m path --max-depth 12 --filter box --spp 32 --size ") + GetParam().size +
+                                     " --seed " + std::to_string(run)),
+        8));
+  }
+  double ours = 0;
+  double theirs = 0;
+  std::size_t beyond = 0;
+  for (std::size_t i = 0; i < expected.pixels.size(); ++i) {
+    double mean = 0;
+    for (const auto& run : runs) mean += luminance(run.pixels[i]) / k_runs;
+    double variance = 0;  // of one run
+    for (const auto& run : runs) variance += sqr(luminance(run.pixels[i]) - mean) / (k_runs - 1);
+    const double reference_mean = luminance(expected.pixels[i]);
+    ours += mean;
+    theirs += reference_mean;
+    const double error = std::sqrt(variance * (1.0 / k_runs + k_samples / 4096.0));
+    if (std::abs(mean - reference_mean) > 4 * error) ++beyond;
+  }
+  EXPECT_NEAR(ours / theirs, 1.0, 0.01);
+  EXPECT_LE(beyond, expected.pixels.size() / 100) << "of " << expected.pixels.size() << " blocks";
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Scenes, BlockTest,
+    ::testing::Values(BlockCase{"ModernHall", "modern-hall/scene.xml", "modern-hall/reference-path-256x256.exr", "256x256"},
+                      BlockCase{"LivingRoom", "living-room/scene.xml", "living-room/reference-path-320x180.exr", "320x180"},
+                      BlockCase{"Sponza", "sponza/sponza.xml", "sponza/reference-path-256x192.exr", "256x192"}),
+    [](const auto& each) { return std::string(each.param.name); });
+
+TEST_F(Reference, EverySceneRendersWithEveryMethod) {
+  for (const char* scene : {"cornell-box/scene.xml", "veach-mis/scene.xml", "modern-hall/scene.xml",
+                            "living-room/scene.xml", "sponza/sponza.xml",
+                            "matpreview-roughplastic/docs/scenes/bsdf_roughplastic_ggx.xml"}) {
+    for (const char* method : {"path", "vpl", "bdlc"}) {
+      const Image<float> image = render(scene, std::string("--size 32x20 --spp 4 --eye-paths 4 --vpls 2000 -m ") + method);
+      double sum = 0;
+      for (const Rgb<float>& pixel : image.pixels) {
+        EXPECT_TRUE(is_valid_radiance(pixel)) << scene << ' ' << method;
+        sum += static_cast<double>(luminance(pixel));
+      }
+      EXPECT_GT(sum, 0.0) << scene << ' ' << method;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace manylight

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Apache-2.0
+// manylight-render as its users see it: files written, exit codes, one-line messages, equal bits whatever the threads.
+#include <nlohmann/json.hpp>
+
+#include <gmock/gmock.h>
+
+#include "image_io/image_io.hpp"
+#include "programs/program_run.hpp"
+
+namespace manylight {
+namespace {
+
+using test::floor_scene;
+using test::ProgramRun;
+using test::run_program;
+using test::ScratchTest;
+
+using ::testing::HasSubstr;
+
+class RenderProgram : public ScratchTest {
+ protected:
+  [[nodiscard]] ProgramRun render(const std::string& arguments) const {
+    return run_program(std::string(MANYLIGHT_RENDER_PROGRAM) + " " + arguments);
+  }
+  /// A rejected call: exit code 2, one line, and no file besides those that were there.
+  void expect_rejected(const std::string& arguments, const std::string& mentions) const {
+    const std::size_t before = file_count();
+    const ProgramRun run = render(arguments);
+    EXPECT_EQ(run.exit_code, 2) << run.output;
+    EXPECT_EQ(std::count(run.output.begin(), run.output.end(), '\n'), 1) << run.output;
+    EXPECT_THAT(run.output, HasSubstr(mentions));
+    EXPECT_EQ(file_count(), before);
+  }
+};
+
+TEST_F(RenderProgram, EveryMethodWritesEveryFormatAndStatistics) {
+  const std::string scene = write("floor.xml", floor_scene()).string();
+  for (const std::string method : {"path", "vpl", "bdlc"}) {
+    const ProgramRun run = render(scene + " -q -m " + method + " --spp 4 --eye-paths 2 --vpls 200 -o " +
+                                  path("a.exr").string() + " -o " + path("a.pfm").string() + " -o " +
+                                  path("a.png").string() + " --stats " + path("a.json").string() + " --aov normal=" +
+                                  path("n.exr").string());
+    ASSERT_EQ(run.exit_code, 0) << run.output;
+    EXPECT_EQ(run.output, "");
+    const Image<float> exr = image_io::read_image(path("a.exr"));
+    const Image<float> pfm = image_io::read_image(path("a.pfm"));
+    EXPECT_EQ(exr.width, 8U);
+    EXPECT_EQ(exr.pixels, pfm.pixels);
+    EXPECT_GT(exr.at(4, 3).x, 0.0F);
+    EXPECT_NEAR(image_io::read_image(path("n.exr")).at(4, 3).z, 1.0F, 1e-5F);  // 16 float additions of a unit normal
+    std::ifstream in(path("a.json"));
+    const nlohmann::json json = nlohmann::json::parse(in);
+    for (const char* key : {"seconds", "rays", "invalid_samples"}) EXPECT_TRUE(json.contains(key)) << key;
+    EXPECT_EQ(json["invalid_samples"], 0);
+    if (method == "bdlc") {
+      for (const char* key : {"mean", "median", "percentile_99", "maximum"}) EXPECT_TRUE(json["cut"].contains(key));
+      EXPECT_GE(json["vpls"]["bytes_per_vpl"].get<double>(), 1.0);
+    }
+  }
+}
+
+TEST_F(RenderProgram, SameSeedSameBitsWhateverTheThreads) {
+  const std::string scene = write("floor.xml", floor_scene("<shape type=\"sphere\"><float name=\"radius\" value=\"0.4\"/>"
+                                                           "<bsdf type=\"roughplastic\"/></shape>"))
+                                .string();
+  for (const std::string method : {"path", "vpl", "bdlc"}) {
+    std::vector<Rgb<float>> first;
+    for (const std::string threads : {"1", "2", "7"}) {
+      const ProgramRun run = render(scene + " -q --size 40x30 -m " + method + " --spp 2 --eye-paths 2 --vpls 300 --threads " +
+                                    threads + " -o " + path("t.pfm").string());
+      ASSERT_EQ(run.exit_code, 0) << run.output;
+      const std::vector<Rgb<float>> pixels = image_io::read_image(path("t.pfm")).pixels;
+      if (first.empty()) first = pixels;
+      EXPECT_EQ(first, pixels) << method << ", threads " << threads;
+    }
+  }
+}
+
+TEST_F(RenderProgram, FlagsWinOverTheFile) {
+  const std::string scene = write("floor.xml", floor_scene()).string();
+  ASSERT_EQ(render(scene + " -q -m path --spp 1 --size 5x4 --max-depth 1 -o " + path("d.pfm").string()).exit_code, 0);
+  const Image<float> image = image_io::read_image(path("d.pfm"));
+  EXPECT_EQ(image.width, 5U);
+  for (const Rgb<float>& pixel : image.pixels) EXPECT_EQ(pixel, Rgb<float>(0));  // one edge sees emitters only
+}
+
+TEST_F(RenderProgram, RejectsBadCallsInOneLine) {
+  const std::string scene = write("floor.xml", floor_scene()).string();
+  const std::string out = " -o " + path("x.exr").string();
+  expect_rejected("", "scene");
+  expect_rejected(path("missing.xml").string() + out, "missing.xml");
+  expect_rejected(scene + " --no-such-option" + out, "no-such-option");
+  expect_rejected(scene + " -m teleport" + out, "teleport");
+  expect_rejected(scene + " --size 0x5" + out, "--size");
+  expect_rejected(scene + " --size 99999x99999" + out, "--size");
+  expect_rejected(scene + " --threshold 2" + out, "--threshold");
+  expect_rejected(scene + " --vpls 0" + out, "--vpls");
+  expect_rejected(scene + " --max-depth 0" + out, "--max-depth");
+  expect_rejected(scene + " --aov teapot=x.exr" + out, "albedo, depth, normal");
+  expect_rejected(scene + " -D nothing=1" + out, "nothing");
+  expect_rejected(scene + " -o " + path("no_folder/x.exr").string(), "no_folder");
+  expect_rejected(scene + " -o " + path("x.tiff").string(), "x.tiff");
+  expect_rejected(scene + " --time-limit 1 -m bdlc" + out, "--time-limit");
+}
+
+TEST_F(RenderProgram, TimeLimitStopsBetweenPassesWithAValidImage) {
+  const std::string scene = write("floor.xml", floor_scene()).string();
+  const ProgramRun run = render(scene + " -q -m path --spp 10000000 --time-limit 0.5 -o " + path("t.pfm").string() +
+                                " --stats " + path("t.json").string());
+  ASSERT_EQ(run.exit_code, 0) << run.output;
+  std::ifstream in(path("t.json"));
+  const nlohmann::json json = nlohmann::json::parse(in);
+  EXPECT_LT(json["samples_per_pixel"].get<int>(), 10000000);
+  EXPECT_GE(json["samples_per_pixel"].get<int>(), 1);
+  EXPECT_GT(image_io::read_image(path("t.pfm")).at(4, 3).x, 0.0F);
+}
+
+}  // namespace
+}  // namespace manylight
