@@ -225,7 +225,7 @@ Shape shape_of(const std::vector<VertexOf<test::MixedScene<S>>>& lights) {
 
 TYPED_TEST(LightTrees, DegenerateSetsGiveShallowTrees) {
   using S = TypeParam;
-  constexpr std::size_t k_count = 200000;
+  constexpr std::size_t k_count = 60000;
   std::vector<VertexOf<test::MixedScene<S>>> lights(k_count);
   for (auto& v : lights) {
     v.kind = VertexKind::area_emitter;
