@@ -25,12 +25,14 @@ std::array<std::string, 3> colour_channels(const std::filesystem::path& path, co
   if (channels.findChannel("R") && channels.findChannel("G") && channels.findChannel("B")) return {"R", "G", "B"};
   if (channels.findChannel("Y")) return {"Y", "Y", "Y"};
   std::string found;
-  for (auto it = channels.begin(); it != channels.end(); ++it) found += std::string(found.empty() ? "" : ", ") + it.name();
+  for (auto it = channels.begin(); it != channels.end(); ++it)
+    found += std::string(found.empty() ? "" : ", ") + it.name();
   throw ImageFileError(path, "channels are " + found + "; supported are R, G, B or Y");
 }
 
 void refuse_subsampling(const std::filesystem::path& path, const Imf::Channel& channel) {
-  if (channel.xSampling != 1 || channel.ySampling != 1) throw ImageFileError(path, "subsampled channels are not supported");
+  if (channel.xSampling != 1 || channel.ySampling != 1)
+    throw ImageFileError(path, "subsampled channels are not supported");
 }
 
 /// Where OpenEXR stores one channel so that the corner of the data window becomes pixel (0, 0).

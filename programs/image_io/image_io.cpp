@@ -122,9 +122,15 @@ void write_image(const fs::path& path, const Image<float>& image, const PngOptio
   detail::check_size(path, image.width, image.height);
   TemporaryFile temporary(path);
   switch (format) {
-    case Format::exr: detail::write_exr(temporary.path(), image); break;
-    case Format::pfm: detail::write_pfm(temporary.path(), image); break;
-    case Format::png: detail::write_png(temporary.path(), image, png); break;
+    case Format::exr:
+      detail::write_exr(temporary.path(), image);
+      break;
+    case Format::pfm:
+      detail::write_pfm(temporary.path(), image);
+      break;
+    case Format::png:
+      detail::write_png(temporary.path(), image, png);
+      break;
   }
   temporary.rename_to(path);
 }

@@ -43,7 +43,8 @@ struct PngOptions {
 [[nodiscard]] float linear_to_srgb(float linear) noexcept;
 
 /// Reads EXR, PFM, PNG, JPEG, TGA or BMP (by content) without changing the values; 8- and 16-bit ones are scaled to
-/// [0, 1]. Grey files fill the three channels; alpha is dropped. Of an EXR the data window is read. Throws ImageFileError.
+/// [0, 1]. Grey files fill the three channels; alpha is dropped. Of an EXR the data window is read. Throws
+/// ImageFileError.
 [[nodiscard]] StoredImage read_stored(const std::filesystem::path& path);
 
 /// `read_stored`, decoded to linear values. Throws ImageFileError.

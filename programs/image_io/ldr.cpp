@@ -8,7 +8,8 @@
 
 #include "image_io/formats.hpp"
 
-// The implementation lives in this unit only; its functions are static, so that another copy in the program is no clash.
+// The implementation lives in this unit only; its functions are static, so that another copy in the program is no
+// clash.
 #define STB_IMAGE_STATIC
 #define STB_IMAGE_IMPLEMENTATION
 #define STBI_NO_STDIO
@@ -40,8 +41,8 @@ struct Freed {
 
 std::uint8_t byte_at(const std::string& bytes, std::size_t at) { return static_cast<std::uint8_t>(bytes[at]); }
 
-/// A Huffman segment holds tables of a class byte, 16 counts, and as many bytes as the counts add up to. stb writes past
-/// its tables where they add up to more than 256.
+/// A Huffman segment holds tables of a class byte, 16 counts, and as many bytes as the counts add up to. stb writes
+/// past its tables where they add up to more than 256.
 bool are_huffman_tables_sound(const std::string& bytes, std::size_t at, std::size_t end) {
   while (at < end) {
     if (end - at < 17) return false;
@@ -99,9 +100,7 @@ void append(void* context, void* data, int size) {
   static_cast<std::string*>(context)->append(static_cast<const char*>(data), static_cast<std::size_t>(size));
 }
 
-std::uint8_t quantise(float linear) {
-  return static_cast<std::uint8_t>(linear_to_srgb(linear) * 255.0F + 0.5F);
-}
+std::uint8_t quantise(float linear) { return static_cast<std::uint8_t>(linear_to_srgb(linear) * 255.0F + 0.5F); }
 
 }  // namespace
 

@@ -55,7 +55,7 @@ std::vector<SpectrumSample> parse_samples(const Element& element) {
 Rgb<double> from_spectrum(const Context& context, const Element& element, SpectrumRole role) {
   if (element.get("value").find(':') != std::string::npos) {
     const std::vector<SpectrumSample> samples = parse_samples(element);
-    return role == SpectrumRole::ratio ? reflectance_to_rgb(samples) : emission_to_rgb(samples);
+    return role == SpectrumRole::emission ? emission_to_rgb(samples) : reflectance_to_rgb(samples);
   }
   const Rgb<double> value = from_numbers(element);
   const bool is_equal_energy = role == SpectrumRole::emission && context.document.major_version >= 2;
@@ -75,7 +75,8 @@ std::shared_ptr<const Texels<float>> read_texels(Context& context, const Element
   const bool is_linear = is_raw || gamma == 1.0 || (!gamma && !stored.is_srgb_encoded);
   for (Rgb<float>& value : texels->values) {
     for (int i = 0; i < 3 && !is_linear; ++i) {
-      value[i] = gamma && *gamma > 0 ? std::pow(value[i], static_cast<float>(*gamma)) : image_io::srgb_to_linear(value[i]);
+      value[i] =
+          gamma && *gamma > 0 ? std::pow(value[i], static_cast<float>(*gamma)) : image_io::srgb_to_linear(value[i]);
     }
     if (!is_valid_radiance(value)) throw image_io::ImageFileError(path, "has texels that are negative or not finite");
   }
@@ -115,7 +116,9 @@ Texture<float> parse_texture(Context& context, const Element& element, SpectrumR
     const Rgb<float> second = take_color(context, p, "color1", role, Rgb<float>(0.2F));
     const UvTransform<float> to_uv = take_uv_transform(p);
     p.finish();
-    return Texture<float>::checkerboard(first, second, to_uv);
+    // Mitsuba 2 and 3 exchange the two where a single number is asked for (seen in the peer's reference images).
+    const bool is_exchanged = role == SpectrumRole::parameter && context.document.major_version >= 2;
+    return Texture<float>::checkerboard(is_exchanged ? second : first, is_exchanged ? first : second, to_uv);
   }
   fail(element, "unknown texture; supported are bitmap and checkerboard");
 }
@@ -129,11 +132,13 @@ Rgb<float> parse_color(const Context& context, const Element& element, SpectrumR
     if (!value.empty() && value.front() == '#') return checked(element, from_hex(element, value));
     Rgb<double> color = from_numbers(element);
     if (element.tag == "srgb") {
-      for (int i = 0; i < 3; ++i) color[i] = static_cast<double>(image_io::srgb_to_linear(static_cast<float>(color[i])));
+      for (int i = 0; i < 3; ++i)
+        color[i] = static_cast<double>(image_io::srgb_to_linear(static_cast<float>(color[i])));
     }
     return checked(element, color);
   }
-  if (element.tag == "float" || element.tag == "integer") return checked(element, Rgb<double>(parse_number(element, value)));
+  if (element.tag == "float" || element.tag == "integer")
+    return checked(element, Rgb<double>(parse_number(element, value)));
   fail(element, "wrong kind of property, expected <rgb>, <srgb>, <spectrum> or <float>");
 }
 
@@ -143,8 +148,8 @@ Rgb<float> take_color(const Context& context, Properties& properties, const char
   return child == nullptr ? otherwise : parse_color(context, *child, role);
 }
 
-std::optional<Texture<float>> take_texture(Context& context, Properties& properties, const char* name, SpectrumRole role,
-                                           double largest) {
+std::optional<Texture<float>> take_texture(Context& context, Properties& properties, const char* name,
+                                           SpectrumRole role, double largest) {
   const Element* child = properties.take(name);
   if (child == nullptr) return std::nullopt;
   if (child->tag == "texture") {
@@ -157,7 +162,8 @@ std::optional<Texture<float>> take_texture(Context& context, Properties& propert
   }
   const Rgb<float> color = parse_color(context, *child, role);
   if (static_cast<double>(max_channel(color)) > largest) {
-    fail(*child, "'" + child->get("value") + "' is out of range, allowed: 0 to " + std::to_string(largest).substr(0, 8));
+    fail(*child,
+         "'" + child->get("value") + "' is out of range, allowed: 0 to " + std::to_string(largest).substr(0, 8));
   }
   return Texture<float>(color);
 }

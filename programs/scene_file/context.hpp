@@ -28,8 +28,9 @@ struct Context {
   Context(const Document& d, const LoadOptions& o) : document(d), names(d.root), options(o) {}
 };
 
-/// Whether a spectrum is a ratio (reflectance) or power that is sent out: the two are weighted differently.
-enum class SpectrumRole { ratio, emission };
+/// What a spectrum is for: a ratio (reflectance), power that is sent out, which is weighted differently, or a plain
+/// number such as a roughness.
+enum class SpectrumRole { ratio, emission, parameter };
 
 /// Colour of an <rgb>, <srgb>, <spectrum> or <float>, not negative. Throws SceneFileError.
 [[nodiscard]] Rgb<float> parse_color(const Context& context, const Element& element, SpectrumRole role);

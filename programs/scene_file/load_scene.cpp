@@ -10,8 +10,8 @@ namespace manylight::scene_file {
 
 namespace {
 
-constexpr std::array k_integrators{"path", "volpath", "volpath_simple", "volpathmis", "direct", "bdpt", "ptracer",
-                                   "photonmapper", "moment", "prb", "pssmlt", "mlt"};
+constexpr std::array k_integrators{"path",    "volpath",      "volpath_simple", "volpathmis", "direct", "bdpt",
+                                   "ptracer", "photonmapper", "moment",         "prb",        "pssmlt", "mlt"};
 
 /// Only the longest path matters here: what integrates is chosen on the command line.
 void read_integrator(Context& context, const Element& element) {
@@ -30,8 +30,8 @@ void read_integrator(Context& context, const Element& element) {
     context.scene.max_depth = *depth;
   }
   if (p.flag("hide_emitters", false)) fail(element, "hide_emitters is not supported");
-  p.ignore({"rr_depth", "strict_normals", "version", "emitter_samples", "bsdf_samples", "shading_samples", "light_image",
-            "sample_direct"});
+  p.ignore({"rr_depth", "strict_normals", "version", "emitter_samples", "bsdf_samples", "shading_samples",
+            "light_image", "sample_direct"});
   p.finish();
 }
 
@@ -71,8 +71,7 @@ void sort_shapes(SceneDescription& scene, const std::vector<int>& kinds) {
 }  // namespace
 
 SceneDescription load_scene(const std::filesystem::path& path, const LoadOptions& options) {
-  const Document document =
-      read_document(path, Definitions(options.defines.begin(), options.defines.end()));
+  const Document document = read_document(path, Definitions(options.defines.begin(), options.defines.end()));
   Context context(document, options);
   read_children(context, document.root);
   std::vector<int> kinds;

@@ -7,12 +7,12 @@
 #include "manylight/geometry/shapes.hpp"
 #include "scene_file/error.hpp"
 
-/// Mesh files, each read as one mesh in its own frame. `flips_v`: v becomes 1 - v. Polygons become fans of triangles. All
-/// throw SceneFileError naming the file and, where there is one, the line or element; what they return is `validate`d
-/// by nobody yet.
+/// Mesh files, each read as one mesh in its own frame. `flips_v`: v becomes 1 - v. Polygons become fans of triangles.
+/// All throw SceneFileError naming the file and, where there is one, the line or element; what they return is
+/// `validate`d by nobody yet.
 ///
-/// OBJ and PLY have readers of their own: assimp 5.2 aborts the whole program on some damaged PLY files and names no line
-/// of a bad OBJ index.
+/// OBJ and PLY have readers of their own: assimp 5.2 aborts the whole program on some damaged PLY files and names no
+/// line of a bad OBJ index.
 namespace manylight::scene_file {
 
 [[nodiscard]] TriangleMesh<float> read_obj(const std::filesystem::path& path, bool flips_v);

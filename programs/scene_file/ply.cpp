@@ -46,12 +46,22 @@ struct Header {
 }
 
 Number number_type(const std::filesystem::path& path, const std::string& name) {
-  constexpr std::array<std::pair<std::string_view, Number>, 16> k_names{
-      {{"char", Number::int8},       {"int8", Number::int8},       {"uchar", Number::uint8},   {"uint8", Number::uint8},
-       {"short", Number::int16},     {"int16", Number::int16},     {"ushort", Number::uint16}, {"uint16", Number::uint16},
-       {"int", Number::int32},       {"int32", Number::int32},     {"uint", Number::uint32},   {"uint32", Number::uint32},
-       {"float", Number::float32},   {"float32", Number::float32}, {"double", Number::float64},
-       {"float64", Number::float64}}};
+  constexpr std::array<std::pair<std::string_view, Number>, 16> k_names{{{"char", Number::int8},
+                                                                         {"int8", Number::int8},
+                                                                         {"uchar", Number::uint8},
+                                                                         {"uint8", Number::uint8},
+                                                                         {"short", Number::int16},
+                                                                         {"int16", Number::int16},
+                                                                         {"ushort", Number::uint16},
+                                                                         {"uint16", Number::uint16},
+                                                                         {"int", Number::int32},
+                                                                         {"int32", Number::int32},
+                                                                         {"uint", Number::uint32},
+                                                                         {"uint32", Number::uint32},
+                                                                         {"float", Number::float32},
+                                                                         {"float32", Number::float32},
+                                                                         {"double", Number::float64},
+                                                                         {"float64", Number::float64}}};
   for (const auto& [known, type] : k_names) {
     if (known == name) return type;
   }
@@ -65,10 +75,14 @@ void parse_header_line(const std::filesystem::path& path, const std::string& lin
   std::string first;
   if (keyword == "format") {
     in >> first;
-    if (first == "ascii") header.format = Format::ascii;
-    else if (first == "binary_little_endian") header.format = Format::little_endian;
-    else if (first == "binary_big_endian") header.format = Format::big_endian;
-    else fail_ply(path, "unknown PLY format '" + first + "'");
+    if (first == "ascii")
+      header.format = Format::ascii;
+    else if (first == "binary_little_endian")
+      header.format = Format::little_endian;
+    else if (first == "binary_big_endian")
+      header.format = Format::big_endian;
+    else
+      fail_ply(path, "unknown PLY format '" + first + "'");
   } else if (keyword == "element") {
     PlyElement element;
     if (!(in >> element.name >> element.count)) fail_ply(path, "damaged PLY header: '" + line + "'");
@@ -116,14 +130,22 @@ class Source {
   [[nodiscard]] double next(Number type) {
     if (format_ == Format::ascii) return next_word();
     switch (type) {
-      case Number::int8: return static_cast<double>(take<std::int8_t>());
-      case Number::uint8: return static_cast<double>(take<std::uint8_t>());
-      case Number::int16: return static_cast<double>(take<std::int16_t>());
-      case Number::uint16: return static_cast<double>(take<std::uint16_t>());
-      case Number::int32: return static_cast<double>(take<std::int32_t>());
-      case Number::uint32: return static_cast<double>(take<std::uint32_t>());
-      case Number::float32: return static_cast<double>(take<float>());
-      case Number::float64: return take<double>();
+      case Number::int8:
+        return static_cast<double>(take<std::int8_t>());
+      case Number::uint8:
+        return static_cast<double>(take<std::uint8_t>());
+      case Number::int16:
+        return static_cast<double>(take<std::int16_t>());
+      case Number::uint16:
+        return static_cast<double>(take<std::uint16_t>());
+      case Number::int32:
+        return static_cast<double>(take<std::int32_t>());
+      case Number::uint32:
+        return static_cast<double>(take<std::uint32_t>());
+      case Number::float32:
+        return static_cast<double>(take<float>());
+      case Number::float64:
+        return take<double>();
     }
     return 0;
   }
@@ -168,9 +190,20 @@ class Source {
 
 /// Where a vertex property goes: 0 to 2 position, 3 to 5 normal, 6 and 7 texture coordinates; none: skipped.
 std::optional<std::size_t> slot_of(const std::string& name) {
-  constexpr std::array<std::pair<std::string_view, std::size_t>, 14> k_slots{
-      {{"x", 0}, {"y", 1}, {"z", 2}, {"nx", 3}, {"ny", 4}, {"nz", 5}, {"u", 6}, {"v", 7}, {"s", 6}, {"t", 7},
-       {"texture_u", 6}, {"texture_v", 7}, {"texcoord_u", 6}, {"texcoord_v", 7}}};
+  constexpr std::array<std::pair<std::string_view, std::size_t>, 14> k_slots{{{"x", 0},
+                                                                              {"y", 1},
+                                                                              {"z", 2},
+                                                                              {"nx", 3},
+                                                                              {"ny", 4},
+                                                                              {"nz", 5},
+                                                                              {"u", 6},
+                                                                              {"v", 7},
+                                                                              {"s", 6},
+                                                                              {"t", 7},
+                                                                              {"texture_u", 6},
+                                                                              {"texture_v", 7},
+                                                                              {"texcoord_u", 6},
+                                                                              {"texcoord_v", 7}}};
   for (const auto& [known, slot] : k_slots) {
     if (known == name) return slot;
   }
@@ -179,7 +212,8 @@ std::optional<std::size_t> slot_of(const std::string& name) {
 
 std::vector<double> next_list(const std::filesystem::path& path, Source& source, const Property& property) {
   const double count = source.next(*property.count_type);
-  if (!(count >= 0 && count <= 65535 && count == std::floor(count))) fail_ply(path, "damaged PLY data: length of a list");
+  if (!(count >= 0 && count <= 65535 && count == std::floor(count)))
+    fail_ply(path, "damaged PLY data: length of a list");
   std::vector<double> values;
   for (int i = 0; i < static_cast<int>(count); ++i) values.push_back(source.next(property.type));
   return values;
@@ -218,12 +252,14 @@ void add_face(const std::filesystem::path& path, const std::vector<double>& corn
     text << where << ": vertex index is " << index << ", allowed: 0 to " << count - 1;
     fail_ply(path, text.str());
   }
-  if (corners.size() < 3) fail_ply(path, where + " has " + std::to_string(corners.size()) + " vertices, allowed: 3 or more");
+  if (corners.size() < 3)
+    fail_ply(path, where + " has " + std::to_string(corners.size()) + " vertices, allowed: 3 or more");
   const auto index = [&corners](std::size_t i) { return static_cast<std::uint32_t>(corners[i]); };
   for (std::size_t i = 2; i < corners.size(); ++i) mesh.triangles.push_back({index(0), index(i - 1), index(i)});
 }
 
-void read_faces(const std::filesystem::path& path, Source& source, const PlyElement& element, TriangleMesh<float>& mesh) {
+void read_faces(const std::filesystem::path& path, Source& source, const PlyElement& element,
+                TriangleMesh<float>& mesh) {
   for (std::uint64_t face = 0; face < element.count; ++face) {
     for (const Property& property : element.properties) {
       if (!property.count_type) {
@@ -239,8 +275,10 @@ void read_faces(const std::filesystem::path& path, Source& source, const PlyElem
 void skip(const std::filesystem::path& path, Source& source, const PlyElement& element) {
   for (std::uint64_t i = 0; i < element.count; ++i) {
     for (const Property& property : element.properties) {
-      if (property.count_type) static_cast<void>(next_list(path, source, property));
-      else static_cast<void>(source.next(property.type));
+      if (property.count_type)
+        static_cast<void>(next_list(path, source, property));
+      else
+        static_cast<void>(source.next(property.type));
     }
   }
 }
@@ -255,9 +293,12 @@ TriangleMesh<float> read_ply(const std::filesystem::path& path, bool flips_v) {
   for (const PlyElement& element : header.elements) {
     // Without properties an element takes no bytes, whatever its count says.
     if (element.properties.empty()) continue;
-    if (element.name == "vertex") read_vertices(path, source, element, flips_v, mesh);
-    else if (element.name == "face") read_faces(path, source, element, mesh);
-    else skip(path, source, element);
+    if (element.name == "vertex")
+      read_vertices(path, source, element, flips_v, mesh);
+    else if (element.name == "face")
+      read_faces(path, source, element, mesh);
+    else
+      skip(path, source, element);
   }
   if (mesh.triangles.empty()) fail_ply(path, "empty mesh: the file holds no faces");
   return mesh;

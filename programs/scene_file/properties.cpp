@@ -101,7 +101,8 @@ Vec3<float> parse_vector(const Element& element, float missing) {
   if (element.has("value")) {
     const std::vector<double> numbers = parse_numbers(element, element.get("value"));
     if (numbers.size() != 1 && numbers.size() != 3) fail(element, "needs one or three numbers");
-    for (int i = 0; i < 3; ++i) result[i] = static_cast<float>(numbers[numbers.size() == 1 ? 0 : static_cast<std::size_t>(i)]);
+    for (int i = 0; i < 3; ++i)
+      result[i] = static_cast<float>(numbers[numbers.size() == 1 ? 0 : static_cast<std::size_t>(i)]);
   }
   const char* axes[] = {"x", "y", "z"};
   for (int i = 0; i < 3; ++i) {

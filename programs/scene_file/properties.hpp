@@ -44,9 +44,9 @@ class Properties {
  public:
   /// A child, or what a <ref> child leads to.
   struct Item {
-    const Element* element;   ///< the target of a reference
-    const Element* place;     ///< where it stands in the file: the reference itself
-    std::string name;         ///< snake case; may be empty
+    const Element* element;  ///< the target of a reference
+    const Element* place;    ///< where it stands in the file: the reference itself
+    std::string name;        ///< snake case; may be empty
     bool is_taken = false;
   };
 

@@ -85,7 +85,8 @@ void take_field_of_view(Properties& p, CameraDescription& camera) {
 
 void read_sensor(Context& context, const Element& element) {
   const std::string& type = element.get("type");
-  if (type != "perspective" && type != "thinlens") fail(element, "unknown sensor; supported are perspective and thinlens");
+  if (type != "perspective" && type != "thinlens")
+    fail(element, "unknown sensor; supported are perspective and thinlens");
   Properties p(element, context.names);
   CameraDescription& camera = context.scene.camera;
   camera.to_world = take_transform(p, "to_world");
@@ -109,11 +110,20 @@ float horizontal_fov_degrees(const CameraDescription& camera) {
   const double half = std::tan(static_cast<double>(camera.fov_degrees) * k_pi<double> / 360.0);
   double half_x = half;
   switch (camera.fov_axis) {
-    case FovAxis::x: break;
-    case FovAxis::y: half_x = half * aspect; break;
-    case FovAxis::diagonal: half_x = half * aspect / std::sqrt(1.0 + aspect * aspect); break;
-    case FovAxis::smaller: half_x = aspect > 1.0 ? half * aspect : half; break;
-    case FovAxis::larger: half_x = aspect > 1.0 ? half : half * aspect; break;
+    case FovAxis::x:
+      break;
+    case FovAxis::y:
+      half_x = half * aspect;
+      break;
+    case FovAxis::diagonal:
+      half_x = half * aspect / std::sqrt(1.0 + aspect * aspect);
+      break;
+    case FovAxis::smaller:
+      half_x = aspect > 1.0 ? half * aspect : half;
+      break;
+    case FovAxis::larger:
+      half_x = aspect > 1.0 ? half : half * aspect;
+      break;
   }
   return static_cast<float>(std::atan(half_x) * 360.0 / k_pi<double>);
 }

@@ -128,7 +128,8 @@ TriangleMesh<float> read_serialized(const std::filesystem::path& path, int index
   const std::string data = read_file_bytes(path);
   if (value_at<std::uint16_t>(path, data, 0) != 0x041C) fail_file(path, "is not a .serialized mesh file");
   const int version = value_at<std::uint16_t>(path, data, 2);
-  if (version != 3 && version != 4) fail_file(path, "has version " + std::to_string(version) + ", supported are 3 and 4");
+  if (version != 3 && version != 4)
+    fail_file(path, "has version " + std::to_string(version) + ", supported are 3 and 4");
   const auto count = value_at<std::uint32_t>(path, data, data.size() - 4);
   const std::size_t width = version == 4 ? 8 : 4;
   if (count == 0 || count > (data.size() - 4) / width) fail_file(path, "mesh table is damaged");

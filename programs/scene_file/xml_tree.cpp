@@ -109,7 +109,8 @@ void Reader::read_file(const fs::path& path, Element& root) {
   pugi::xml_document xml;
   const pugi::xml_parse_result result = xml.load_buffer(text.data(), text.size());
   if (!result) {
-    throw SceneFileError(*name, lines.line_of(result.offset), "", std::string("malformed XML: ") + result.description());
+    throw SceneFileError(*name, lines.line_of(result.offset), "",
+                         std::string("malformed XML: ") + result.description());
   }
   const pugi::xml_node scene = xml.document_element();
   root.file = name;
@@ -254,7 +255,8 @@ std::string snake_case(std::string_view name) {
   std::string result;
   for (std::size_t i = 0; i < name.size(); ++i) {
     const auto c = static_cast<unsigned char>(name[i]);
-    const bool starts_word = std::isupper(c) != 0 && i > 0 && std::islower(static_cast<unsigned char>(name[i - 1])) != 0;
+    const bool starts_word =
+        std::isupper(c) != 0 && i > 0 && std::islower(static_cast<unsigned char>(name[i - 1])) != 0;
     if (starts_word) result += '_';
     result += static_cast<char>(std::tolower(c));
   }

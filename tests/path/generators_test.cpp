@@ -26,7 +26,7 @@ using V = VertexOf<TestScene>;
 /// A surface point with what it is made of; `ng` and `ns` on the side of both its neighbours.
 struct Node {
   Vec3<S> position, ng, ns, tangent;
-  MixedMaterial<S> material;
+  MixedMaterial<S> material{};
 };
 
 Interaction<S, MixedMaterial<S>> interaction_of(const Node& node) {

@@ -131,8 +131,10 @@ TEST(Ply, RefusesDamagedFiles) {
   std::string bad_index = whole;
   bad_index[bad_index.size() - 2] = '\x7f';
   EXPECT_THAT(error(bad_index), HasSubstr("face 0: vertex index is"));
-  EXPECT_THAT(error("ply\nformat ascii 1.0\nelement vertex 1\nproperty colour x\n"), HasSubstr("unknown type 'colour'"));
-  const std::string header = "ply\nformat ascii 1.0\nelement vertex 99999999999999\nproperty float x\nproperty float y\n";
+  EXPECT_THAT(error("ply\nformat ascii 1.0\nelement vertex 1\nproperty colour x\n"),
+              HasSubstr("unknown type 'colour'"));
+  const std::string header =
+      "ply\nformat ascii 1.0\nelement vertex 99999999999999\nproperty float x\nproperty float y\n";
   EXPECT_THAT(error(header + "property float z\nend_header\n1 2 3\n"), HasSubstr("truncated PLY data"));
   EXPECT_THAT(error(header + "property float z\nend_header\n1 x 3\n"), HasSubstr("'x' is not a number"));
 }
@@ -161,8 +163,10 @@ std::string serialized(std::uint16_t version, std::uint32_t index_of_last_vertex
     file += packed;
   }
   for (const std::size_t offset : offsets) {
-    if (version == 4) put(file, static_cast<std::uint64_t>(offset));
-    else put(file, static_cast<std::uint32_t>(offset));
+    if (version == 4)
+      put(file, static_cast<std::uint64_t>(offset));
+    else
+      put(file, static_cast<std::uint32_t>(offset));
   }
   put<std::uint32_t>(file, 2);
   return file;

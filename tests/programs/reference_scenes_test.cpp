@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The peer's scene files, where they are at hand: all without media load strictly, textures lie as in the peer's picture.
+// The peer's scene files, where they are at hand: all without media load strictly, textures lie as in the peer's
+// picture.
 #include <array>
 #include <cmath>
 
@@ -108,7 +109,8 @@ TEST_F(ReferenceScenes, ValuesAreThoseOfTheFiles) {
   }
   EXPECT_EQ(absorbing, 1U);
   // No fov in the file: the peer's 50 mm lens on 36 x 24 mm film, whose diagonal fits the square's: 2 atan(21.63 / 50).
-  const SceneDescription sphere = load_scene(path("mitsuba-tests/tests/scenes/floating_sphere/test_directional_direct.xml"));
+  const SceneDescription sphere =
+      load_scene(path("mitsuba-tests/tests/scenes/floating_sphere/test_directional_direct.xml"));
   EXPECT_NEAR(horizontal_fov_degrees(sphere.camera), 34.0222F, 2e-3F);  // by hand with five digits
 }
 
@@ -125,9 +127,9 @@ Rgb<float> direct_light(const SceneDescription& scene, const Bvh<float>& bvh, co
   return material.reflectance.eval(point.uv) * light.intensity * (k_inv_pi<float> * cosine / (distance * distance));
 }
 
-// Oracle: the peer's picture of six textured rectangles (both filters, three wraps), rebuilt from direct light alone with
-// its Gaussian filter. It checks orientation, wrapping, interpolation, decoding, transforms and the camera at once.
-// Planted bugs that it caught: v flipped (error 0.66), texels off by a half (0.22), colours left encoded (0.16).
+// Oracle: the peer's picture of six textured rectangles (both filters, three wraps), rebuilt from direct light alone
+// with its Gaussian filter. It checks orientation, wrapping, interpolation, decoding, transforms and the camera at
+// once. Planted bugs that it caught: v flipped (error 0.66), texels off by a half (0.22), colours left encoded (0.16).
 TEST_F(ReferenceScenes, TexturesLieAsInThePeersPicture) {
   SceneDescription scene = load_scene(path("mitsuba-tests/tests/scenes/texture_interp/test_texture_interp_direct.xml"));
   const Image<float> reference =
@@ -147,9 +149,10 @@ TEST_F(ReferenceScenes, TexturesLieAsInThePeersPicture) {
     for (std::uint32_t x = 0; x < reference.width; ++x) {
       Rgb<float> sum(0);
       for (int i = 0; i < k_side * k_side; ++i) {
-        const Vec2<float> u((static_cast<float>(i % k_side) + 0.5F) / k_side, (static_cast<float>(i / k_side) + 0.5F) / k_side);
-        const Vec2<float> film = Vec2<float>(static_cast<float>(x) + 0.5F, static_cast<float>(y) + 0.5F) +
-                                 scene.filter.sample(u);
+        const Vec2<float> u((static_cast<float>(i % k_side) + 0.5F) / k_side,
+                            (static_cast<float>(i / k_side) + 0.5F) / k_side);
+        const Vec2<float> film =
+            Vec2<float>(static_cast<float>(x) + 0.5F, static_cast<float>(y) + 0.5F) + scene.filter.sample(u);
         sum += direct_light(scene, bvh, camera.ray(film, {0.5F, 0.5F}));
       }
       const Rgb<float> difference = sum / static_cast<float>(k_side * k_side) - reference.at(x, y);

@@ -36,7 +36,8 @@ std::string replaced(std::string text, const std::string& from, const std::strin
 TEST_F(SceneRules, ReferencesToThemselvesAreRefused) {
   const std::string self = "<bsdf type=\"twosided\" id=\"a\"><ref id=\"a\"/></bsdf>";
   EXPECT_THAT(error_of(floor_scene(self)), HasSubstr("refers to itself"));
-  const std::string pair = "<bsdf type=\"mask\" id=\"a\"><ref id=\"b\"/></bsdf><bsdf type=\"mask\" id=\"b\"><ref id=\"a\"/></bsdf>";
+  const std::string pair =
+      "<bsdf type=\"mask\" id=\"a\"><ref id=\"b\"/></bsdf><bsdf type=\"mask\" id=\"b\"><ref id=\"a\"/></bsdf>";
   EXPECT_THAT(error_of(floor_scene(pair)), HasSubstr("refers to itself"));
 }
 
@@ -71,7 +72,8 @@ TEST_F(SceneRules, GrowingParametersEnd) {
 TEST_F(SceneRules, IncludesAreSplicedInAndFoundFromTheTop) {
   write("parts/light.xml", "<scene version=\"3.0.0\"><include filename=\"parts/more.xml\"/></scene>");
   write("parts/more.xml",
-        "<scene version=\"3.0.0\"><emitter type=\"directional\"><rgb name=\"irradiance\" value=\"$power\"/></emitter></scene>");
+        "<scene version=\"3.0.0\"><emitter type=\"directional\"><rgb name=\"irradiance\" "
+        "value=\"$power\"/></emitter></scene>");
   const std::string text = floor_scene("<default name=\"power\" value=\"3\"/><include filename=\"parts/light.xml\"/>");
   ASSERT_EQ(load(text).emitters.directionals.size(), 1U);
   EXPECT_EQ(load(text).emitters.directionals[0].irradiance, Rgb<float>(3));
@@ -90,14 +92,16 @@ TEST_F(SceneRules, IncludesOfThemselvesAreRefused) {
 TEST_F(SceneRules, DefinitionsThatNobodyUsesAreNamed) {
   LoadOptions options;
   options.defines["sp"] = "4";
-  const std::string text = replaced(floor_scene(), "<integrator type=\"path\"><integer name=\"max_depth\" value=\"3\"/>",
-                                    "<default name=\"spp\" value=\"3\"/><integrator type=\"path\">"
-                                    "<integer name=\"max_depth\" value=\"$spp\"/>");
+  const std::string text =
+      replaced(floor_scene(), "<integrator type=\"path\"><integer name=\"max_depth\" value=\"3\"/>",
+               "<default name=\"spp\" value=\"3\"/><integrator type=\"path\">"
+               "<integer name=\"max_depth\" value=\"$spp\"/>");
   EXPECT_THAT(error_of(text, options), HasSubstr("parameter 'sp' is not used; known are spp"));
 }
 
 TEST_F(SceneRules, PropertiesAndIdsGivenTwiceAreRefused) {
-  const std::string twice = "<bsdf type=\"plastic\"><float name=\"int_ior\" value=\"1.5\"/><float name=\"intIOR\" value=\"2\"/></bsdf>";
+  const std::string twice =
+      "<bsdf type=\"plastic\"><float name=\"int_ior\" value=\"1.5\"/><float name=\"intIOR\" value=\"2\"/></bsdf>";
   EXPECT_THAT(error_of(floor_scene("", twice)), HasSubstr("'int_ior' is given twice"));
   EXPECT_THAT(error_of(floor_scene("<bsdf type=\"diffuse\" id=\"a\"/><bsdf type=\"diffuse\" id=\"a\"/>")),
               HasSubstr("id 'a' is used before"));
@@ -163,15 +167,33 @@ TEST_F(SceneRules, DefaultsFollowTheVersion) {
   EXPECT_TRUE(is_black(load(metal).materials[0].eta)) << "version 3: the perfect mirror";
   const std::string old = replaced(metal, "3.0.0", "0.5.0");
   EXPECT_GT(load(old).materials[0].eta.y, 0.9F) << "version 0.x: copper";
-  const std::string light = floor_scene("<emitter type=\"constant\"><spectrum name=\"radiance\" value=\"2\"/></emitter>");
+  const std::string light =
+      floor_scene("<emitter type=\"constant\"><spectrum name=\"radiance\" value=\"2\"/></emitter>");
   EXPECT_EQ(load(replaced(light, "3.0.0", "0.6.0")).emitters.environments[0].radiance, Rgb<float>(2));
   EXPECT_GT(load(light).emitters.environments[0].radiance.x, 2.3F) << "equal energy is purple in sRGB";
   EXPECT_THAT(error_of(replaced(metal, "3.0.0", "4.0.0")), HasSubstr("version '4.0.0' is not supported"));
 }
 
+// Oracle: the peer's picture of a sphere with checkered roughness, which only fits with the two values exchanged.
+TEST_F(SceneRules, CheckeredNumbersAreExchangedSinceVersionTwo) {
+  const auto alpha_at_zero = [&](const std::string& version) {
+    const std::string metal =
+        "<bsdf type=\"roughconductor\"><texture type=\"checkerboard\" name=\"alpha\"><float name=\"color0\" "
+        "value=\"0.25\"/><float name=\"color1\" value=\"0.5\"/></texture></bsdf>";
+    return load(replaced(floor_scene("", metal), "3.0.0", version)).materials[0].alpha_u.eval({0.1F, 0.1F}).x;
+  };
+  EXPECT_EQ(alpha_at_zero("0.6.0"), 0.25F);
+  EXPECT_EQ(alpha_at_zero("3.0.0"), 0.5F);
+  const std::string floor =
+      "<bsdf type=\"diffuse\"><texture type=\"checkerboard\" name=\"reflectance\"><rgb name=\"color0\" "
+      "value=\"0.25\"/><rgb name=\"color1\" value=\"0.5\"/></texture></bsdf>";
+  EXPECT_EQ(load(floor_scene("", floor)).materials[0].reflectance.eval({0.1F, 0.1F}).x, 0.25F) << "colours stay";
+}
+
 TEST_F(SceneRules, AbsorptionOnlyInsideOfDielectrics) {
   const auto shape = [](const std::string& bsdf, const std::string& sigma_s) {
-    return floor_scene("<shape type=\"sphere\" id=\"s\"><bsdf type=\"" + bsdf + "\"/><medium name=\"interior\" "
+    return floor_scene("<shape type=\"sphere\" id=\"s\"><bsdf type=\"" + bsdf +
+                       "\"/><medium name=\"interior\" "
                        "type=\"homogeneous\"><rgb name=\"sigmaA\" value=\"1,2,3\"/><rgb name=\"sigmaS\" value=\"" +
                        sigma_s + "\"/><float name=\"scale\" value=\"2\"/></medium></shape>");
   };
@@ -181,9 +203,10 @@ TEST_F(SceneRules, AbsorptionOnlyInsideOfDielectrics) {
 }
 
 TEST_F(SceneRules, SubstancesAndNullSurfaces) {
-  const SceneDescription scene = load(floor_scene(
-      "<shape type=\"cube\"><bsdf type=\"null\"/></shape>",
-      "<bsdf type=\"dielectric\"><string name=\"intIOR\" value=\"diamond\"/><string name=\"ext_ior\" value=\"air\"/></bsdf>"));
+  const SceneDescription scene =
+      load(floor_scene("<shape type=\"cube\"><bsdf type=\"null\"/></shape>",
+                       "<bsdf type=\"dielectric\"><string name=\"intIOR\" value=\"diamond\"/><string name=\"ext_ior\" "
+                       "value=\"air\"/></bsdf>"));
   EXPECT_FLOAT_EQ(scene.materials[0].interior_ior, 2.419F);
   EXPECT_FLOAT_EQ(scene.materials[0].exterior_ior, 1.000277F);
   EXPECT_EQ(scene.materials[1].opacity->maximum(), Rgb<float>(0));

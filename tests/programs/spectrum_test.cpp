@@ -11,7 +11,8 @@ namespace {
 
 constexpr std::array<SpectrumSample, 2> k_flat{{{300.0, 1.0}, {900.0, 1.0}}};
 
-// Oracle: the chromaticity of D65, (0.3127, 0.3290), CIE 15. It checks the table of D65, the fit and the matrix at once.
+// Oracle: the chromaticity of D65, (0.3127, 0.3290), CIE 15. It checks the table of D65, the fit and the matrix at
+// once.
 TEST(Spectrum, PerfectReflectorUnderD65IsWhite) {
   const Rgb<double> white = reflectance_to_rgb(k_flat);
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(white[c], 1.0, 2e-3);  // error of the colour matching fit
