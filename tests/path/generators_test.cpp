@@ -25,7 +25,7 @@ using V = VertexOf<TestScene>;
 
 /// A surface point with what it is made of; `ng` and `ns` on the side of both its neighbours.
 struct Node {
-  Vec3<S> position, ng, ns, tangent;
+  Vec3<S> position{0}, ng{0, 0, 1}, ns{0, 0, 1}, tangent{1, 0, 0};
   MixedMaterial<S> material{};
 };
 
