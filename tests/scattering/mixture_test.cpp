@@ -96,18 +96,18 @@ TEST(AnyOf, ForwardsToWhatItHolds) {
   EXPECT_EQ(any.get_if<Diffuse>(), nullptr);
   const Vec3<double> wi = at_degrees(20);
   const Vec3<double> wo = at_degrees(30, 2.5);
-  EXPECT_EQ(any.eval(wi, wo), ward.eval(wi, wo));
-  EXPECT_EQ(any.pdf(wi, wo, Walk::eye), ward.pdf(wi, wo, Walk::eye));
+  EXPECT_LT(glm::length(any.eval(wi, wo) - ward.eval(wi, wo)), 1e-13 * ward.eval(wi, wo).x);  // as below: fused
+  EXPECT_DOUBLE_EQ(any.pdf(wi, wo, Walk::eye), ward.pdf(wi, wo, Walk::eye));
   EXPECT_EQ(any.albedo(), ward.albedo());
-  EXPECT_EQ(any.sup_cos_eval(wo), ward.sup_cos_eval(wo));
-  EXPECT_EQ(any.sup_eval_cos_wo(wo), ward.sup_eval_cos_wo(wo));
-  EXPECT_EQ(any.sup_gloss_beyond(wo, 0.2), ward.sup_gloss_beyond(wo, 0.2));
+  EXPECT_DOUBLE_EQ(any.sup_cos_eval(wo), ward.sup_cos_eval(wo));
+  EXPECT_DOUBLE_EQ(any.sup_eval_cos_wo(wo), ward.sup_eval_cos_wo(wo));
+  EXPECT_DOUBLE_EQ(any.sup_gloss_beyond(wo, 0.2), ward.sup_gloss_beyond(wo, 0.2));
   EXPECT_EQ(any.diffuse_albedo(), 0.0);
   EXPECT_FALSE(any.is_delta());
   const auto a = any.sample(wo, Walk::light, 0.3, {0.2, 0.9});
   const auto b = ward.sample(wo, Walk::light, 0.3, {0.2, 0.9});
   ASSERT_TRUE(a && b);
-  EXPECT_EQ(a->direction, b->direction);
+  EXPECT_LT(glm::length(a->direction - b->direction), 1e-14);  // inlined twice, products may be fused differently
   any = Sheet{};
   EXPECT_TRUE(any.is_delta());
   any = Dielectric<double>{};

@@ -113,7 +113,8 @@ class ClusterSplitter {
     std::array<Bin, k_bins> bins;
     const S scale = S(k_bins) / (hi - lo);
     const auto bin_of = [&](const ClusterItem<S>& item) {
-      return std::min(k_bins - 1, static_cast<unsigned>((coordinate(item, axis) - lo) * scale));
+      const S x = (coordinate(item, axis) - lo) * scale;  // fused multiply-add may take it below 0
+      return x > S(0) ? std::min(k_bins - 1, static_cast<unsigned>(std::min(x, S(k_bins)))) : 0U;
     };
     for (std::size_t i = begin; i < end; ++i) {
       Bin single;
@@ -126,6 +127,8 @@ class ClusterSplitter {
     const auto first = items_.begin() + static_cast<std::ptrdiff_t>(begin);
     const auto last = items_.begin() + static_cast<std::ptrdiff_t>(end);
     const auto cut = std::stable_partition(first, last, [&](const auto& item) { return bin_of(item) < best; });
+    // In ranges as narrow as rounding all items may share a side; an empty one would never end.
+    if (cut == first || cut == last) return median(begin, begin + (end - begin) / 2, end, axis);
     return static_cast<std::size_t>(cut - items_.begin());
   }
 
