@@ -55,7 +55,8 @@ int main() {
   const auto cuts = render_bidirectional_lightcuts(scene, camera, filter, config, side, tree, sampler, executor);
 
   std::vector<Rgb<double>> sums(32 * 32, Rgb<double>(0));
-  accumulate_path_samples(PathIntegrator(scene, PathConfig{}), camera, filter, sampler, 0, 256, sums, executor);
+  accumulate_path_samples(PathIntegrator(scene, PathConfig{}), camera, filter, Window::of(camera), sampler, 0, 256, sums,
+                          executor);
 
   double by_cuts = 0, by_paths = 0;
   for (std::size_t i = 0; i < sums.size(); ++i) {

@@ -83,5 +83,6 @@
 #include "manylight/integrator/bidirectional_lightcuts.hpp"
 #include "manylight/integrator/film.hpp"
 #include "manylight/integrator/instant_radiosity.hpp"
+#include "manylight/integrator/lightcuts.hpp"
 #include "manylight/integrator/many_light.hpp"
 #include "manylight/integrator/path.hpp"

@@ -122,7 +122,7 @@ class Job {
       const double elapsed = clock.seconds();
       const bool out_of_time = options_.time_limit && done > 0 && elapsed + elapsed / done * pass > *options_.time_limit;
       if (out_of_time) break;
-      statistics += accumulate_path_samples(integrator, camera_, filter_, sampler, done, pass, sums, executor_);
+      statistics += accumulate_path_samples(integrator, camera_, filter_, Window::of(camera_), sampler, done, pass, sums, executor_);
       done += pass;
       const double by_count = static_cast<double>(done) / options_.spp;
       progress.update(options_.time_limit ? std::max(by_count, std::min(1.0, clock.seconds() / *options_.time_limit))
@@ -203,22 +203,25 @@ class Job {
     Image<float> normal(camera_.width(), camera_.height());
     Image<float> albedo = normal;
     Image<float> depth = normal;
-    const auto pixel = [&](RayCounts& rays, std::uint32_t x, std::uint32_t y) {
-      for (std::uint32_t i = 0; i < k_samples; ++i) {
-        auto stream = sampler.stream(Stage::eye, std::uint64_t{y} * camera_.width() + x, i);
-        const Ray<float> ray = camera_ray(camera_, filter_, x, y, stream);
-        const auto point = scene_.intersect(ray, stream, rays);
-        if (!point) continue;
-        const auto hit = scene_.interaction(*point, -ray.direction);
-        normal.at(x, y) += hit.frame.n / float{k_samples};
-        albedo.at(x, y) += hit.material.albedo() / float{k_samples};
-        depth.at(x, y) += Rgb<float>(glm::length(point->position - ray.origin) / float{k_samples});
+    const auto render_tile = [&](const Window& tile) {
+      RayCounts rays;
+      for (std::uint32_t y = tile.y0; y < tile.y1; ++y) {
+        for (std::uint32_t x = tile.x0; x < tile.x1; ++x) {
+          for (std::uint32_t i = 0; i < k_samples; ++i) {
+            auto stream = sampler.stream(Stage::eye, film_index(camera_, x, y), i);
+            const Ray<float> ray = camera_ray(camera_, filter_, x, y, stream);
+            const auto point = scene_.intersect(ray, stream, rays);
+            if (!point) continue;
+            const auto hit = scene_.interaction(*point, -ray.direction);
+            normal.at(x, y) += hit.frame.n / float{k_samples};
+            albedo.at(x, y) += hit.material.albedo() / float{k_samples};
+            depth.at(x, y) += Rgb<float>(glm::length(point->position - ray.origin) / float{k_samples});
+          }
+        }
       }
+      return rays;
     };
-    for (const RayCounts& rays : for_each_pixel(camera_.width(), camera_.height(), executor_, [] { return RayCounts{}; },
-                                                pixel, NoProgress{})) {
-      add_rays(rays);
-    }
+    for (const RayCounts& rays : for_each_tile(Window::of(camera_), executor_, render_tile, NoProgress{})) add_rays(rays);
     for (const auto& [name, file] : options_.aovs) {
       result_.aovs[name] = name == "normal" ? normal : name == "albedo" ? albedo : depth;
     }

@@ -153,10 +153,10 @@ template <std::floating_point S>
   return PerspectiveCamera<S>(config);
 }
 
-enum class Method { path, vpl, bdlc };
-inline constexpr std::array<Method, 3> k_methods{Method::path, Method::vpl, Method::bdlc};
+enum class Method { path, vpl, lightcuts, bdlc };
+inline constexpr std::array<Method, 4> k_methods{Method::path, Method::vpl, Method::lightcuts, Method::bdlc};
 [[nodiscard]] inline const char* name(Method method) {
-  constexpr std::array<const char*, 3> k_names{"path", "vpl", "bdlc"};
+  constexpr std::array<const char*, 4> k_names{"path", "vpl", "lightcuts", "bdlc"};
   return k_names[static_cast<std::size_t>(method)];
 }
 
@@ -208,7 +208,7 @@ template <class SceneType, Camera C, Executor Exec = SerialExecutor>
     const PathIntegrator<SceneType> integrator(scene, PathConfig{settings.max_edges});
     film.pixels.assign(std::size_t{camera.width()} * camera.height(), Rgb<double>(0));
     film.invalid =
-        accumulate_path_samples(integrator, camera, filter, sampler, 0, settings.samples, film.pixels, executor)
+        accumulate_path_samples(integrator, camera, filter, Window::of(camera), sampler, 0, settings.samples, film.pixels, executor)
             .invalid;
     for (Rgb<double>& p : film.pixels) p /= settings.samples;
     return film;
@@ -220,7 +220,9 @@ template <class SceneType, Camera C, Executor Exec = SerialExecutor>
     result = render_instant_radiosity(scene, camera, filter, config, lights, sampler, executor);
   } else {
     const LightTree<SceneType> tree(lights.lights.vpls, executor);
-    result = render_bidirectional_lightcuts(scene, camera, filter, config, lights, tree, sampler, executor);
+    result = method == Method::lightcuts
+                 ? render_lightcuts(scene, camera, filter, config, lights, tree, sampler, executor)
+                 : render_bidirectional_lightcuts(scene, camera, filter, config, lights, tree, sampler, executor);
   }
   for (const Rgb<S>& p : result.image.pixels) film.pixels.emplace_back(p);
   film.invalid = result.statistics.invalid_samples;

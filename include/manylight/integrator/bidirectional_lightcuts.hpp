@@ -11,14 +11,11 @@
 //     sum w S M T D I over representatives                             unoccluded_transfer, visibility
 //
 // Departures: the corrected pruning rule and Eq. 20 (theory sheet, 3.6 and 2.2); emitters that the eye path hits take the
-// energy that the constraints leave (3.8, EmitterHits); a floor of 1 % of L_a under the relative error threshold.
+// energy that the constraints leave (3.8, EmitterHits); the floor of lightcuts.hpp.
 
-#include "manylight/integrator/many_light.hpp"
+#include "manylight/integrator/lightcuts.hpp"
 
 namespace manylight {
-
-/// Part of L_a below which errors do not matter: without it black pixels always refine to the maximum cut.
-inline constexpr double k_perceptual_floor = 0.01;
 
 /// Renders `scene`; the light side comes from `prepare_lights` with the same config, `tree` is built over its VPLs. Image
 /// in W/m^2/sr.
@@ -27,11 +24,8 @@ template <class Scene, Camera C, Sampler Random, Executor Exec, class Progress =
     const Scene& scene, const C& camera, const ReconstructionFilter<typename Scene::Scalar>& filter,
     const ManyLightConfig& config, const LightSide<Scene>& lights, const LightTree<Scene>& tree, const Random& sampler,
     const Exec& executor, const Progress& progress = {}) {
-  using W = FourConstraints<typename Scene::Scalar>;
-  const W weighting(lights.weights);
-  const CutConfig cut{config.threshold, config.max_cut, k_perceptual_floor * lights.adaptation_luminance};
-  const auto make_sum = [&] { return CutSum<Scene, W>(scene, weighting, tree, config.max_edges, cut); };
-  return render_many_light(scene, camera, filter, config, weighting, make_sum, sampler, executor, progress);
+  const FourConstraints<typename Scene::Scalar> weighting(lights.weights);
+  return render_by_cuts(scene, camera, filter, config, weighting, lights, tree, sampler, executor, progress);
 }
 
 }  // namespace manylight

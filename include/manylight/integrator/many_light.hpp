@@ -5,6 +5,7 @@
 // with the lights. A method is a choice of weighting and pair sum.
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "manylight/integrator/adaptation.hpp"
@@ -24,6 +25,7 @@ struct ManyLightConfig {
   double clamp_scale = 1.0 / 800;          ///< C_clamp = clamp_scale L_a / I_avg; infinity: no clamp
   double c_d = 1, c_v = 1, c_m = 100;      ///< see WeightingConfig, sr^-1
   EmitterHits emitter_hits = EmitterHits::all;
+  std::optional<Window> window;            ///< pixels to render; none: the whole film
 
   /// Throws ParameterError.
   void validate() const {
@@ -82,10 +84,20 @@ struct ManyLightStatistics {
   std::uint64_t sensors = 0;         ///< VPSs
   std::uint64_t capped_pixels = 0;
   std::uint64_t invalid_samples = 0; ///< dropped: not finite or negative
-  std::vector<std::uint32_t> cut_sizes;  ///< per pixel, row by row
+  std::vector<std::uint32_t> cut_sizes;  ///< per pixel of the window, row by row
+
+  /// Adds the counts of a tile; `cut_sizes` belongs to the whole image.
+  ManyLightStatistics& operator+=(const ManyLightStatistics& tile) noexcept {
+    pairs += tile.pairs;
+    eye_rays += tile.eye_rays;
+    sensors += tile.sensors;
+    capped_pixels += tile.capped_pixels;
+    invalid_samples += tile.invalid_samples;
+    return *this;
+  }
 };
 
-/// An image, W/m^2/sr, and what it cost.
+/// An image of the window, W/m^2/sr, and what it cost.
 template <std::floating_point S>
 struct ManyLightImage {
   Image<S> image;
@@ -102,6 +114,10 @@ struct PixelCollector {
   Rgb<double> emitted{0};
   std::uint64_t invalid = 0;
 
+  void clear() {
+    sensors.clear();
+    emitted = Rgb<double>(0);
+  }
   void emission(const Rgb<S>& radiance) {
     if (is_valid_radiance(radiance)) {
       emitted += Rgb<double>(radiance);
@@ -118,13 +134,21 @@ struct PixelCollector {
   }
 };
 
-/// Scratch memory and counts of one tile.
-template <class Scene, class W, class Sum>
-struct TileState {
-  PixelCollector<Scene, W> collector;
-  Sum sum;
-  ManyLightStatistics statistics;
-};
+/// Traces the eye subpaths of pixel (x, y) into `collector`.
+template <class Scene, Camera C, Weighting W, Sampler Random>
+void trace_pixel(const Scene& scene, const C& camera, const ReconstructionFilter<typename Scene::Scalar>& filter,
+                 const ManyLightConfig& config, const W& weighting, const Random& sampler, std::uint32_t x,
+                 std::uint32_t y, RayCounts& rays, PixelCollector<Scene, W>& collector) {
+  using S = typename Scene::Scalar;
+  collector.clear();
+  for (std::uint32_t i = 0; i < config.eye_paths; ++i) {
+    auto stream = sampler.stream(Stage::eye, film_index(camera, x, y), i);
+    const Ray<S> ray = camera_ray(camera, filter, x, y, stream);
+    EyeSubpath<Scene, W, decltype(stream), PixelCollector<Scene, W>>(scene, weighting, config.max_edges, stream, rays,
+                                                                     collector)
+        .trace(ray, S(1) / static_cast<S>(config.eye_paths));
+  }
+}
 
 }  // namespace detail
 
@@ -136,38 +160,32 @@ template <class Scene, Camera C, Weighting W, Sampler Random, Executor Exec, cla
     const ManyLightConfig& config, const W& weighting, const MakeSum& make_sum, const Random& sampler,
     const Exec& executor, const Progress& progress = {}) {
   using S = typename Scene::Scalar;
-  using State = detail::TileState<Scene, W, decltype(make_sum())>;
+  const Window window = config.window.value_or(Window::of(camera));
+  window.validate(camera.width(), camera.height());
   ManyLightImage<S> result;
-  result.image = Image<S>(camera.width(), camera.height());
-  result.statistics.cut_sizes.resize(result.image.pixels.size());
-  const auto make_state = [&] { return State{{}, make_sum(), {}}; };
-  const auto pixel = [&](State& state, std::uint32_t x, std::uint32_t y) {
-    auto& collector = state.collector;
-    collector.sensors.clear();
-    collector.emitted = Rgb<double>(0);
-    const std::uint64_t index = std::uint64_t{y} * camera.width() + x;
-    for (std::uint32_t i = 0; i < config.eye_paths; ++i) {
-      auto stream = sampler.stream(Stage::eye, index, i);
-      const Ray<S> ray = camera_ray(camera, filter, x, y, stream);
-      EyeSubpath<Scene, W, decltype(stream), std::decay_t<decltype(collector)>>(
-          scene, weighting, config.max_edges, stream, state.statistics.eye_rays, collector)
-          .trace(ray, S(1) / static_cast<S>(config.eye_paths));
+  result.image = Image<S>(window.width(), window.height());
+  result.statistics.cut_sizes.resize(window.pixel_count());
+  const auto render_tile = [&](const Window& tile) {
+    detail::PixelCollector<Scene, W> collector;
+    auto sum = make_sum();
+    ManyLightStatistics statistics;
+    for (std::uint32_t y = tile.y0; y < tile.y1; ++y) {
+      for (std::uint32_t x = tile.x0; x < tile.x1; ++x) {
+        detail::trace_pixel(scene, camera, filter, config, weighting, sampler, x, y, statistics.eye_rays, collector);
+        const PairSumResult pairs = sum(collector.sensors, collector.emitted, film_index(camera, x, y));
+        statistics.sensors += collector.sensors.size();
+        statistics.pairs += pairs.statistics;
+        statistics.capped_pixels += pairs.statistics.capped ? 1 : 0;
+        result.statistics.cut_sizes[window.index(x, y)] = static_cast<std::uint32_t>(pairs.statistics.cut_size);
+        result.image.pixels[window.index(x, y)] = Rgb<S>(collector.emitted + pairs.radiance);
+      }
     }
-    state.statistics.sensors += collector.sensors.size();
-    const PairSumResult pairs = state.sum(collector.sensors, collector.emitted, index);
-    state.statistics.pairs += pairs.statistics;
-    state.statistics.capped_pixels += pairs.statistics.capped ? 1 : 0;
-    result.statistics.cut_sizes[index] = static_cast<std::uint32_t>(pairs.statistics.cut_size);
-    result.image.at(x, y) = Rgb<S>(collector.emitted + pairs.radiance);
+    statistics.invalid_samples = collector.invalid + statistics.pairs.invalid;
+    return statistics;
   };
-  for (State& tile : for_each_pixel(camera.width(), camera.height(), executor, make_state, pixel, progress)) {
-    result.statistics.pairs += tile.statistics.pairs;
-    result.statistics.eye_rays += tile.statistics.eye_rays;
-    result.statistics.sensors += tile.statistics.sensors;
-    result.statistics.capped_pixels += tile.statistics.capped_pixels;
-    result.statistics.invalid_samples += tile.collector.invalid;
+  for (const ManyLightStatistics& tile : for_each_tile(window, executor, render_tile, progress)) {
+    result.statistics += tile;
   }
-  result.statistics.invalid_samples += result.statistics.pairs.invalid;
   return result;
 }
 

@@ -133,33 +133,36 @@ auto PathIntegrator<Scene>::direct(const Hit& hit, const Vec3<S>& wo, Stream& st
   return f * light->radiance * (std::abs(wi_local.z) * weight * visible / light->pdf);
 }
 
-/// Sums samples [first, first + count) of every pixel into `sums` (row by row, W/m^2/sr): call it with consecutive ranges
-/// to refine an image; the split into ranges does not change it.
+/// Sums samples [first, first + count) of every pixel of `window` into `sums` (row by row, W/m^2/sr): call it with
+/// consecutive ranges to refine an image; the split into ranges does not change it.
 template <class Scene, Camera C, Sampler Random, Executor Exec, class Progress = NoProgress>
 PathStatistics accumulate_path_samples(const PathIntegrator<Scene>& integrator, const C& camera,
-                                       const ReconstructionFilter<typename Scene::Scalar>& filter,
+                                       const ReconstructionFilter<typename Scene::Scalar>& filter, const Window& window,
                                        const Random& sampler, std::uint32_t first, std::uint32_t count,
                                        std::vector<Rgb<double>>& sums, const Exec& executor,
                                        const Progress& progress = {}) {
   using S = typename Scene::Scalar;
-  const auto pixel = [&](PathStatistics& statistics, std::uint32_t x, std::uint32_t y) {
-    const std::size_t index = std::size_t{y} * camera.width() + x;
-    for (std::uint32_t i = first; i < first + count; ++i) {
-      auto stream = sampler.stream(Stage::eye, index, i);
-      const Rgb<S> sample = integrator.radiance(camera_ray(camera, filter, x, y, stream), stream, statistics.rays);
-      ++statistics.samples;
-      if (is_valid_radiance(sample)) {
-        sums[index] += Rgb<double>(sample);
-      } else {
-        ++statistics.invalid;
+  const auto render_tile = [&](const Window& tile) {
+    PathStatistics statistics;
+    for (std::uint32_t y = tile.y0; y < tile.y1; ++y) {
+      for (std::uint32_t x = tile.x0; x < tile.x1; ++x) {
+        Rgb<double>& sum = sums[window.index(x, y)];
+        for (std::uint32_t i = first; i < first + count; ++i) {
+          auto stream = sampler.stream(Stage::eye, film_index(camera, x, y), i);
+          const Rgb<S> sample = integrator.radiance(camera_ray(camera, filter, x, y, stream), stream, statistics.rays);
+          ++statistics.samples;
+          if (is_valid_radiance(sample)) {
+            sum += Rgb<double>(sample);
+          } else {
+            ++statistics.invalid;
+          }
+        }
       }
     }
+    return statistics;
   };
   PathStatistics total;
-  for (const PathStatistics& tile : for_each_pixel(camera.width(), camera.height(), executor,
-                                                   [] { return PathStatistics{}; }, pixel, progress)) {
-    total += tile;
-  }
+  for (const PathStatistics& tile : for_each_tile(window, executor, render_tile, progress)) total += tile;
   return total;
 }
 
