@@ -37,6 +37,16 @@ void set_size(Options& options, const std::string& text) {
   options.height = height;
 }
 
+void set_window(Options& options, const std::string& text) {
+  Window w;
+  char rest = 0;
+  // NOLINTNEXTLINE(cert-err34-c): four conversions or the text is rejected
+  if (std::sscanf(text.c_str(), "%5u,%5u,%5u,%5u%c", &w.x0, &w.y0, &w.x1, &w.y1, &rest) != 4) {
+    throw ParameterError("--window", "'" + text + "'", "x0,y0,x1,y1: pixels from the top left corner, x1 and y1 excluded");
+  }
+  options.window = w;
+}
+
 void set_aovs(Options& options, const std::vector<std::string>& texts) {
   for (const std::string& text : texts) {
     const auto [name, file] = split_assignment("--aov", text);
@@ -74,17 +84,31 @@ void validate(const Options& o) {
 }  // namespace
 
 const std::vector<std::string>& aov_names() {
-  static const std::vector<std::string> names{"albedo", "depth", "normal"};
+  static const std::vector<std::string> names{"albedo", "cut-size", "depth", "normal"};
   return names;
+}
+
+const char* method_name(Method method) {
+  switch (method) {
+    case Method::path: return "path";
+    case Method::vpl: return "vpl";
+    case Method::lightcuts: return "lightcuts";
+    case Method::bdlc: return "bdlc";
+  }
+  return "";
 }
 
 std::optional<Options> parse_options(int argc, const char* const* argv) {
   Options o;
   std::string size;
+  std::string window;
+  std::string weights;
   std::vector<std::string> aovs;
   std::vector<std::string> defines;
   CLI::App app{"Renders a scene file (Mitsuba XML subset) with many-light methods.", "manylight-render"};
-  const std::map<std::string, Method> methods{{"path", Method::path}, {"vpl", Method::vpl}, {"bdlc", Method::bdlc}};
+  const std::map<std::string, Method> methods{
+      {"path", Method::path}, {"vpl", Method::vpl}, {"lightcuts", Method::lightcuts}, {"bdlc", Method::bdlc}};
+  const std::map<std::string, Weights> weightings{{"standard", Weights::standard}, {"four", Weights::four}};
   const std::map<std::string, Backend> backends{{"bvh", Backend::bvh}, {"embree", Backend::embree}};
   const std::map<std::string, SamplerKind> samplers{{"independent", SamplerKind::independent},
                                                     {"sobol", SamplerKind::sobol}};
@@ -94,10 +118,11 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
   double time_limit = 0;
   int max_depth = 0;
   app.add_option("scene", o.scene, "Scene file, .xml")->required();
-  app.add_option("-m,--method", method, "path (reference), vpl (all pairs), bdlc (bidirectional lightcuts)")
+  app.add_option("-m,--method", method, "path (reference), vpl (all pairs), lightcuts (multidimensional), bdlc (bidirectional lightcuts)")
       ->check(CLI::IsMember(methods))->capture_default_str();
   app.add_option("-o,--output", o.outputs, "Image to write: .exr, .pfm (linear) or .png; repeatable")->allow_extra_args(false);
   app.add_option("--size", size, "Image size in pixels, WxH [from the file]");
+  app.add_option("--window", window, "Pixels to render, x0,y0,x1,y1 (x1, y1 excluded) [the whole image]");
   app.add_option("--spp", o.spp, "Samples per pixel of method path")->capture_default_str();
   app.add_option("--eye-paths", o.eye_paths, "Eye paths per pixel of the many-light methods")->capture_default_str();
   app.add_option("--vpls", o.vpls, "Virtual point lights")->capture_default_str();
@@ -115,6 +140,8 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
       ->capture_default_str();
   app.add_option("--threads", o.threads, "Threads, 0: all")->capture_default_str();
   auto* limit = app.add_option("--time-limit", time_limit, "Stop method path after so many seconds, between passes");
+  app.add_option("--weights", weights, "Weights of the pairs [four for bdlc, standard for vpl and lightcuts]")
+      ->check(CLI::IsMember(weightings));
   app.add_option("--clamp", o.clamp_scale, "C_clamp = this x L_a / I_avg; 0: no clamp")->capture_default_str();
   app.add_option("--adaptation-luminance", o.adaptation_luminance, "L_a in W/m^2/sr, 0: estimated")
       ->capture_default_str();
@@ -143,6 +170,8 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
   if (limit->count() > 0) o.time_limit = time_limit;
   if (depth->count() > 0) o.max_depth = max_depth;
   if (!size.empty()) set_size(o, size);
+  if (!window.empty()) set_window(o, window);
+  o.weights = !weights.empty() ? weightings.at(weights) : o.method == Method::bdlc ? Weights::four : Weights::standard;
   set_aovs(o, aovs);
   for (const std::string& define : defines) o.defines.insert(split_assignment("-D", define));
   if (o.outputs.empty()) o.outputs.emplace_back("render.exr");

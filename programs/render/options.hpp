@@ -7,9 +7,12 @@
 #include <string>
 #include <vector>
 
+#include "manylight/integrator/film.hpp"
+
 namespace manylight::render {
 
-enum class Method { path, vpl, bdlc };
+enum class Method { path, vpl, lightcuts, bdlc };
+enum class Weights { standard, four };
 enum class Backend { bvh, embree };
 enum class SamplerKind { independent, sobol };
 
@@ -19,6 +22,7 @@ struct Options {
   Method method = Method::bdlc;
   std::vector<std::string> outputs;
   std::optional<std::uint32_t> width, height;
+  std::optional<Window> window;  ///< pixels to render; none: all
   std::uint32_t spp = 64;
   std::uint32_t eye_paths = 64;
   std::uint64_t vpls = 1'000'000;
@@ -31,6 +35,7 @@ struct Options {
   std::uint64_t seed = 0;
   std::uint32_t threads = 0;
   std::optional<double> time_limit;  ///< s
+  Weights weights = Weights::four;
   double clamp_scale = 1.0 / 800;    ///< 0: no clamp
   double adaptation_luminance = 0;   ///< 0: estimated
   bool hits_after_dirac_only = false;
@@ -41,6 +46,9 @@ struct Options {
   bool lenient = false;
   bool quiet = false;
 };
+
+/// As on the command line.
+[[nodiscard]] const char* method_name(Method method);
 
 /// Names of the auxiliary images that `--aov` knows.
 [[nodiscard]] const std::vector<std::string>& aov_names();

@@ -103,7 +103,7 @@ TYPED_TEST_P(AnalyticSuite, EnoughVplsSwitchTheClampOff) {
   Settings settings;
   settings.samples = 4;
   settings.vpls = 1200;
-  for (const Method method : {Method::vpl, Method::bdlc}) {
+  for (const Method method : {Method::vpl, Method::lightcuts, Method::bdlc}) {
     settings.clamp_scale = std::numeric_limits<double>::infinity();
     const Film unclamped = render(method, scene, this->cavity_probes(), settings);
     settings.adaptation = 0;

@@ -226,7 +226,7 @@ TYPED_TEST_P(StabilitySuite, SunThroughAPane) {
   settings.samples = 4;
   const auto with = this->brightest(Method::path, build(true), camera, settings);
   EXPECT_EQ(with, 0);
-  for (const Method method : {Method::vpl, Method::bdlc}) {
+  for (const Method method : {Method::vpl, Method::lightcuts, Method::bdlc}) {
     const auto seen = repeat(method, build(true), camera, settings, 16);
     const auto bare = repeat(method, build(false), camera, settings, 16);
     // The floor's own direct light is lost: what stays there came back from the patch, some per cent.

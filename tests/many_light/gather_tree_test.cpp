@@ -35,14 +35,22 @@ class GatherTrees : public ::testing::Test {
     }
     return result;
   }
-  static void members(const Tree& tree, std::uint32_t i, std::vector<std::uint32_t>& out) {
+  /// Indices of the sensors below node `i`.
+  static void members(const Tree& tree, const std::vector<Vps>& sensors, std::uint32_t i,
+                      std::vector<std::uint32_t>& out) {
     const GatherNode<S>& node = tree.node(i);
     if (node.is_leaf) {
-      out.push_back(node.child);
+      out.push_back(static_cast<std::uint32_t>(&tree.sensor_of_leaf(node.leaves.begin) - sensors.data()));
       return;
     }
-    members(tree, node.child, out);
-    members(tree, node.child + 1, out);
+    members(tree, sensors, node.child, out);
+    members(tree, sensors, node.child + 1, out);
+  }
+  static double uniform(std::uint64_t key) {
+    return to_unit_interval<double>(static_cast<std::uint32_t>(mix_bits(key) >> 32));
+  }
+  static std::uint32_t representative(const Tree& tree, const std::vector<Vps>& sensors, std::uint32_t i, double u) {
+    return static_cast<std::uint32_t>(&tree.sensor_of_leaf(tree.representative(i, u)) - sensors.data());
   }
 };
 using Scalars = ::testing::Types<float, double>;
@@ -66,8 +74,9 @@ TYPED_TEST(GatherTrees, PatternBoundHoldsForEveryMember) {
     for (std::uint32_t i = 0; i < tree.size(); ++i) {
       const GatherNode<S>& node = tree.node(i);
       std::vector<std::uint32_t> inside;
-      TestFixture::members(tree, i, inside);
-      ASSERT_TRUE(std::count(inside.begin(), inside.end(), tree.representative(i, mix_bits(i))) == 1);
+      TestFixture::members(tree, sensors, i, inside);
+      ASSERT_TRUE(std::count(inside.begin(), inside.end(),
+                             TestFixture::representative(tree, sensors, i, TestFixture::uniform(i))) == 1);
       for (int k = 0; k < 6; ++k) {
         // Half of the cones around a mirror direction, where gloss is large.
         const auto& some = sensors[inside[static_cast<std::size_t>(k) % inside.size()]].vertex;
@@ -113,23 +122,24 @@ TYPED_TEST(GatherTrees, NodesHoldTheirMembers) {
   for (std::uint32_t i = 0; i < tree.size(); ++i) {
     const GatherNode<S>& node = tree.node(i);
     std::vector<std::uint32_t> inside;
-    TestFixture::members(tree, i, inside);
+    TestFixture::members(tree, sensors, i, inside);
     Rgb<double> sum(0);
     for (const std::uint32_t m : inside) {
       sum += Rgb<double>(sensors[m].vertex.strength);
       EXPECT_TRUE(node.box.contains(sensors[m].vertex.position));
+      EXPECT_GE(node.saturation, saturation(sensors[m].vertex.strength));
     }
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(static_cast<double>(node.strength[c]), sum[c], 1e-5 * sum[c]);  // float
   }
   std::vector<std::uint32_t> all;
-  TestFixture::members(tree, 0, all);
+  TestFixture::members(tree, sensors, 0, all);
   std::sort(all.begin(), all.end());
   ASSERT_EQ(all.size(), sensors.size());
   for (std::uint32_t i = 0; i < all.size(); ++i) EXPECT_EQ(all[i], i);
 }
 
 // P(sensor represents the root) = S / S_root over keys: chi-square of 4e5 keys, false alarm rate 1e-4 per scalar.
-// Planted bug seen to fail: `u < 0.5`.
+// Planted bug seen to fail: the leaf that equal weights would give.
 TYPED_TEST(GatherTrees, RepresentativesAreDrawnByStrength) {
   using S = TypeParam;
   RandomVertices<S> random(16);
@@ -139,10 +149,12 @@ TYPED_TEST(GatherTrees, RepresentativesAreDrawnByStrength) {
   constexpr std::uint64_t k_keys = 400000;
   tree.build(sensors, weighting);
   std::vector<test::ExpectedCount> cells(sensors.size());
-  for (std::uint64_t key = 0; key < k_keys; ++key) cells[tree.representative(0, mix_bits(key))].observed += 1;
+  for (std::uint64_t key = 0; key < k_keys; ++key) {
+    cells[TestFixture::representative(tree, sensors, 0, TestFixture::uniform(key))].observed += 1;
+  }
   for (std::size_t i = 0; i < sensors.size(); ++i) {
     cells[i].expected = static_cast<double>(k_keys) * static_cast<double>(luminance(sensors[i].vertex.strength)) /
-                        static_cast<double>(tree.node(0).luminance);
+                        static_cast<double>(luminance(tree.node(0).strength));
     cells[i].name = "sensor " + std::to_string(i);
   }
   const test::ChiSquareResult result = test::chi_square(std::move(cells));

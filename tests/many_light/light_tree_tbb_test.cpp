@@ -25,7 +25,7 @@ void expect_same_nodes(const LightTree<test::MixedScene<S>>& a, const LightTree<
     const LightNode<S>& y = b.node(i);
     ASSERT_EQ(x.is_leaf, y.is_leaf);
     ASSERT_EQ(x.child, y.child);
-    ASSERT_EQ(x.luminance, y.luminance);
+    ASSERT_EQ(x.intensity, y.intensity);
     ASSERT_EQ(x.box.lo, y.box.lo);
     ASSERT_EQ(x.box.hi, y.box.hi);
     ASSERT_EQ(x.normals.axis, y.normals.axis);
@@ -34,7 +34,7 @@ void expect_same_nodes(const LightTree<test::MixedScene<S>>& a, const LightTree<
     open.push_back(x.child);
     open.push_back(x.child + 1);
   }
-  EXPECT_EQ(visited, 2 * a.vpl_count() - a.roots().size());
+  EXPECT_EQ(visited, 2 * a.vpls().size() - a.roots().size());
 }
 
 TEST(Executors, LightTreeIsTheSame) {

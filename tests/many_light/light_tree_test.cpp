@@ -46,7 +46,8 @@ void walk(const LightTree<test::MixedScene<S>>& tree, std::uint32_t i, unsigned 
   shape.depth = std::max(shape.depth, depth);
   if (node.is_leaf) {
     ++shape.leaves;
-    seen.push_back(node.child);
+    ASSERT_EQ(node.leaves.end, node.leaves.begin + 1);
+    seen.push_back(node.leaves.begin);
     return;
   }
   ASSERT_GT(node.child, i) << "children come after their parent";
@@ -65,7 +66,8 @@ TYPED_TEST(LightTrees, EveryNodeHoldsItsMembers) {
   using S = TypeParam;
   RandomVertices<S> random(1);
   for (const std::size_t count : {1u, 2u, 3u, 7u, 100u, 5000u}) {
-    const auto lights = random_lights(random, count, Gloss::some);
+    auto lights = random_lights(random, count, Gloss::some);
+    for (std::size_t i = 0; i < count; ++i) lights[i].edges = static_cast<std::uint16_t>(i);  // a name of its own
     const LightTree<test::MixedScene<S>> tree(lights, SerialExecutor{});
     std::vector<std::uint32_t> all;
     for (const std::uint32_t root : tree.roots()) {
@@ -84,9 +86,12 @@ TYPED_TEST(LightTrees, EveryNodeHoldsItsMembers) {
         std::vector<std::uint32_t> members;
         walk<S>(tree, i, 0, unused, members);
         if (members.size() > 300 && i != root) continue;  // quadratic otherwise
+        ASSERT_EQ(members.front(), node.leaves.begin);
+        ASSERT_EQ(members.size(), node.leaves.end - node.leaves.begin) << "a cluster is a range of the leaf order";
         Rgb<double> sum(0);
         for (const std::uint32_t m : members) {
-          const auto& v = lights[m];
+          const auto& v = tree.vpls()[m];
+          ASSERT_GE(node.saturation, saturation(v.strength));
           sum += Rgb<double>(v.strength);
           ASSERT_TRUE(node.box.contains(v.position));
           ASSERT_EQ(node.is_infinite, v.is_infinite());
@@ -101,13 +106,16 @@ TYPED_TEST(LightTrees, EveryNodeHoldsItsMembers) {
           const double slack = 64 * static_cast<double>(std::numeric_limits<S>::epsilon()) * sum[c];  // depth additions
           ASSERT_NEAR(static_cast<double>(node.intensity[c]), sum[c], slack);
         }
-        ASSERT_NEAR(static_cast<double>(node.luminance), luminance(sum),
-                    64 * static_cast<double>(std::numeric_limits<S>::epsilon()) * luminance(sum));
       }
     }
     ASSERT_EQ(all.size(), count);
     std::sort(all.begin(), all.end());
-    for (std::uint32_t i = 0; i < count; ++i) ASSERT_EQ(all[i], i) << "each light is in exactly one leaf";
+    std::vector<bool> found(count, false);
+    for (std::uint32_t i = 0; i < count; ++i) {
+      ASSERT_EQ(all[i], i) << "each leaf belongs to one node";
+      found[tree.vpls()[i].edges] = true;
+    }
+    ASSERT_EQ(std::count(found.begin(), found.end(), false), 0) << "each light is in exactly one leaf";
   }
 }
 
@@ -148,7 +156,7 @@ TYPED_TEST(LightTrees, PatternBoundHoldsForEveryMember) {
               half == S(0) ? axis
                            : glm::normalize(frame.to_world(Vec3<S>(std::sin(angle) * std::cos(phi),
                                                                    std::sin(angle) * std::sin(phi), std::cos(angle))));
-          const S d = std::min(limit, max_channel(light_pattern(lights[m], w)));
+          const S d = std::min(limit, max_channel(light_pattern(tree.vpls()[m], w)));
           positive += d > S(0) ? 1 : 0;
           ASSERT_LE(d, bound * S(1.00001) + 8 * std::numeric_limits<S>::epsilon());  // rounding of w and the product
         }
@@ -159,40 +167,45 @@ TYPED_TEST(LightTrees, PatternBoundHoldsForEveryMember) {
   EXPECT_GT(below_limit, 1000);
 }
 
-// P(light represents the root) = I / I_root: 4e5 slots, chi-square at a false alarm rate of 1e-4 per scalar.
-// Planted bug seen to fail: children chosen with equal probability.
+// P(light represents the root) = I / I_root: 4e5 variates, chi-square at a false alarm rate of 1e-4 per scalar.
+// Planted bug seen to fail: the leaf that equal weights would give.
 TYPED_TEST(LightTrees, RepresentativesAreDrawnByIntensity) {
   using S = TypeParam;
   RandomVertices<S> random(3);
   const auto lights = random_lights(random, 60, Gloss::none, {VertexKind::surface});
   const LightTree<test::MixedScene<S>> tree(lights, SerialExecutor{});
   ASSERT_EQ(tree.roots().size(), 1u);
-  constexpr std::uint32_t k_slots = 400000;
+  const std::uint32_t root = tree.roots()[0];
+  constexpr std::uint32_t k_draws = 400000;
   std::vector<test::ExpectedCount> cells(lights.size());
   for (std::size_t i = 0; i < lights.size(); ++i) {
-    cells[i].expected = k_slots * static_cast<double>(luminance(lights[i].strength)) /
-                        static_cast<double>(tree.node(tree.roots()[0]).luminance);
+    cells[i].expected = k_draws * static_cast<double>(luminance(tree.vpls()[i].strength)) /
+                        static_cast<double>(luminance(tree.node(root).intensity));
     cells[i].name = "light " + std::to_string(i);
   }
-  for (std::uint32_t slot = 0; slot < k_slots; ++slot) {
-    cells[tree.representative(tree.roots()[0], slot)].observed += 1;
+  for (std::uint32_t k = 0; k < k_draws; ++k) {
+    const auto bits = static_cast<std::uint32_t>(mix_bits(k) >> 32);
+    cells[tree.representative(root, to_unit_interval<double>(bits))].observed += 1;
   }
   const test::ChiSquareResult result = test::chi_square(std::move(cells));
   EXPECT_GT(result.p_value, 1e-4) << result.statistic;
 }
 
-// One child holds its parent's representative, whatever the slot: that is what a split reuses.
+// The child that inherits holds its parent's representative: that is what a split reuses. A representative lies in its
+// node and has weight, at both ends of u. Planted bug seen to fail: `<=` in inheriting_child.
 TYPED_TEST(LightTrees, OneChildInheritsTheRepresentative) {
   using S = TypeParam;
   RandomVertices<S> random(4);
   const auto lights = random_lights(random, 500, Gloss::none, {VertexKind::surface});
   const LightTree<test::MixedScene<S>> tree(lights, SerialExecutor{});
   for (std::uint32_t i = 0; i < 999; ++i) {
-    if (tree.node(i).is_leaf) continue;
-    for (std::uint32_t slot = 0; slot < 20; ++slot) {
-      const std::uint32_t l = tree.representative(i, slot);
-      const std::uint32_t child = tree.node(i).child;
-      EXPECT_TRUE(tree.representative(child, slot) == l || tree.representative(child + 1, slot) == l);
+    for (std::uint32_t k = 0; k <= 20; ++k) {
+      const std::uint32_t leaf = tree.representative(i, std::min(k / 20.0, 1 - 0x1p-32));
+      const LeafRange& own = tree.node(i).leaves;
+      ASSERT_TRUE(leaf >= own.begin && leaf < own.end) << i;
+      if (tree.node(i).is_leaf) continue;
+      const LeafRange& heir = tree.node(tree.inheriting_child(i, leaf)).leaves;
+      EXPECT_TRUE(leaf >= heir.begin && leaf < heir.end) << i;
     }
   }
 }
@@ -263,7 +276,7 @@ TEST(LightTree, NoLightsNoRoots) {
   const std::vector<VertexOf<test::MixedScene<float>>> none;
   const LightTree<test::MixedScene<float>> tree(none, SerialExecutor{});
   EXPECT_TRUE(tree.roots().empty());
-  EXPECT_EQ(tree.vpl_count(), 0u);
+  EXPECT_TRUE(tree.vpls().empty());
 }
 
 }  // namespace

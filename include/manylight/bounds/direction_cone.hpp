@@ -22,6 +22,12 @@ struct DirectionCone {
   [[nodiscard]] S half_angle() const noexcept { return std::atan2(sin_half, cos_half); }
 };
 
+/// min(1, half-angle) to within 16 %, without inverse functions: for choices, not for bounds.
+template <std::floating_point S>
+[[nodiscard]] inline S spread(const DirectionCone<S>& cone) noexcept {
+  return cone.cos_half > S(0.54) ? cone.sin_half : S(1);
+}
+
 /// Smallest cone that holds both, up to rounding, which only widens it.
 template <std::floating_point S>
 [[nodiscard]] inline DirectionCone<S> unite(const DirectionCone<S>& a, const DirectionCone<S>& b) noexcept {

@@ -10,6 +10,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 
 #include "manylight/core/spectrum.hpp"
 #include "manylight/scattering/concepts.hpp"
@@ -32,15 +33,24 @@ template <std::floating_point S>
 inline constexpr std::array<S, 8> k_profile_angles{S(0),    S(0.01), S(0.025), S(0.06),
                                                    S(0.14), S(0.3),  S(0.6),   S(1.2)};
 
+/// Their cosines, rounded down: no angle whose cosine is below one of them is smaller than its angle.
+template <std::floating_point S>
+inline const std::array<S, 8> k_profile_cosines = [] {
+  std::array<S, 8> cosines{};
+  for (std::size_t i = 1; i < cosines.size(); ++i) cosines[i] = std::cos(k_profile_angles<S>[i]) * (S(1) - S(2) * std::numeric_limits<S>::epsilon());
+  cosines[0] = S(1);
+  return cosines;
+}();
+
 /// values[i] bounds the gloss at every angle >= k_profile_angles[i] off the lobe's axis, sr^-1.
 template <std::floating_point S>
 struct GlossProfile {
   std::array<S, k_profile_angles<S>.size()> values{};
 
-  /// Bound at all angles >= `angle`, rad.
-  [[nodiscard]] S beyond(S angle) const noexcept {
+  /// Bound at all angles whose cosine is at most `cosine`.
+  [[nodiscard]] S beyond(S cosine) const noexcept {
     std::size_t i = values.size() - 1;
-    while (i > 0 && angle < k_profile_angles<S>[i]) --i;
+    while (i > 0 && cosine > k_profile_cosines<S>[i]) --i;
     return values[i];
   }
   void extend(const GlossProfile& other) noexcept {

@@ -24,6 +24,13 @@ template <std::floating_point S>
   return std::max(c.x, std::max(c.y, c.z));
 }
 
+/// max_channel / luminance, in [1, 13.9]: how far the channels of a colour stand out; 1 for black.
+template <std::floating_point S>
+[[nodiscard]] constexpr S saturation(const Rgb<S>& c) noexcept {
+  const S y = luminance(c);
+  return y > S(0) ? max_channel(c) / y : S(1);
+}
+
 template <std::floating_point S>
 [[nodiscard]] constexpr bool is_black(const Rgb<S>& c) noexcept {
   return c.x == S(0) && c.y == S(0) && c.z == S(0);

@@ -7,7 +7,7 @@
 //
 //   symbol        here                      symbol        here
 //   S_C, I_L      GatherNode, LightNode     UB(C, L)      upper_bound
-//   s*, l*        representative pair       eps, floor    CutConfig
+//   s*, l*        Cluster::sensor, vpl      eps, floor    CutConfig
 //
 //   UB = min( (w M)_ub  T_ub  D_ub , C_clamp )   with weights folded in as in the theory sheet, section 6.5.
 //
@@ -15,6 +15,13 @@
 // see the same sensor, and their errors, each below the threshold, add up with one sign: pixels in the corner of three
 // walls came out at a third of their value. Here every new cluster pair draws its own sensor; a split still hands the
 // parent's pair to exactly one child, so that it costs one new evaluation.
+//
+// Error of a cluster, as luminance Y of S_C I_L UB. The estimate has the representatives' colours and the sum's luminances,
+// so that it may exceed Y(S_C I_L) UB: with sigma = max channel / Y of a colour, Y(s i) <= min(sigma_s, sigma_i) Y(s) Y(i).
+// The larger of both bounds estimate and truth, hence their difference.
+//
+// Work goes by small batches of the worst clusters: their nodes, VPLs and shadow rays are independent of each other, so
+// that memory is asked for ahead and rays are traced together. A batch costs at most its size in splits too many.
 
 #include <algorithm>
 #include <cstdint>
@@ -41,8 +48,11 @@ struct CutConfig {
   }
 };
 
-template <class Scene, Weighting W>
+/// A pair sum by cuts; keeps its memory from pixel to pixel.
+template <class Scene, class W>
 class CutSum {
+  static_assert(Weighting<W>, "manylight::CutSum: the second argument must model Weighting (see path/weighting.hpp)");
+
  public:
   using S = typename Scene::Scalar;
 
@@ -58,39 +68,50 @@ class CutSum {
                                          std::uint64_t key);
 
  private:
-  /// A cluster pair of the cut.
-  struct Entry {
-    double error;         ///< bound of the error, luminance
-    Rgb<S> unit{0};       ///< estimate per unit of S_C and I_L luminance
-    std::uint32_t gather;
-    std::uint32_t light;
-    std::uint32_t sensor;  ///< s*
-    std::uint64_t key;     ///< s* is the gather node's representative for it
+  /// Clusters split together: enough to hide a memory access, few against a cut.
+  static constexpr std::size_t k_batch = 16;
 
-    /// Heap order: worst error first, ties by ids, never by address.
-    friend bool operator<(const Entry& a, const Entry& b) noexcept {
-      if (a.error != b.error) return a.error < b.error;
-      if (a.gather != b.gather) return a.gather > b.gather;
-      return a.light > b.light;
+  /// A cluster pair of the cut.
+  struct Cluster {
+    Rgb<S> unit{0};        ///< w M T D of s*, l* with their colours: estimate per unit of the clusters' luminances
+    S scale = S(0);        ///< luminance(S_C) luminance(I_L)
+    std::uint32_t gather;  ///< C
+    std::uint32_t light;   ///< L
+    std::uint32_t sensor;  ///< s*, place in the gather tree's leaf order
+    std::uint32_t vpl;     ///< l*, place in the light tree's leaf order
+  };
+  /// Heap order: worst error first, ties by age, never by address.
+  struct Candidate {
+    S error;
+    std::uint32_t cluster;
+    friend bool operator<(const Candidate& a, const Candidate& b) noexcept {
+      return a.error != b.error ? a.error < b.error : a.cluster > b.cluster;
     }
   };
+  /// A new cluster whose representative waits to be evaluated.
+  struct Pending {
+    std::uint32_t cluster;
+    S bound;
+  };
 
-  [[nodiscard]] std::uint32_t slot(std::uint32_t sensor) const noexcept {
-    return static_cast<std::uint32_t>(mix_bits(key_ + sensor) >> 40);
+  [[nodiscard]] static Rgb<double> estimate(const Cluster& c) noexcept {
+    return Rgb<double>(c.unit) * static_cast<double>(c.scale);
   }
-  [[nodiscard]] Rgb<double> estimate(const Entry& entry) const noexcept {
-    return Rgb<double>(entry.unit) * (static_cast<double>(gather_.node(entry.gather).luminance) *
-                                      static_cast<double>(lights_.node(entry.light).luminance));
-  }
+  [[nodiscard]] std::size_t cut_size() const noexcept { return heap_.size() + settled_count_; }
+
   [[nodiscard]] S upper_bound(const GatherNode<S>& gather, const LightNode<S>& light) const noexcept;
   [[nodiscard]] bool splits_gather(const GatherNode<S>& gather, const LightNode<S>& light) const noexcept;
-  /// The entry of a cluster pair with a representative of its own.
-  [[nodiscard]] Entry fresh(std::uint32_t gather, std::uint32_t light);
-  /// The entry of a cluster pair that holds its parent's representative.
-  [[nodiscard]] Entry inherited(std::uint32_t gather, std::uint32_t light, const Entry& parent) const;
-  void evaluate(Entry& entry, S bound);
-  void push(const Entry& entry);
-  void split(const Entry& entry);
+  /// Bound of |estimate - truth|, luminance; 0 for a pair of leaves.
+  [[nodiscard]] static S error(const GatherNode<S>& gather, const LightNode<S>& light, S scale, S bound) noexcept;
+
+  void start(const std::vector<Sensor<Scene, W>>& sensors, const Rgb<double>& known, std::uint64_t key);
+  [[nodiscard]] bool take_worst();
+  void split_batch();
+  void split(std::uint32_t cluster);
+  void inherit(std::uint32_t cluster, std::uint32_t gather, std::uint32_t light);
+  void open(std::uint32_t gather, std::uint32_t light);
+  void evaluate_pending();
+  void place(std::uint32_t cluster, S error);
 
   const Scene& scene_;
   const W& weighting_;
@@ -99,47 +120,177 @@ class CutSum {
   CutConfig config_;
 
   GatherTree<Scene, W> gather_;
-  std::vector<Entry> heap_;
-  std::vector<Entry> leaves_;  ///< pairs of single sensors and VPLs: exact
-  Rgb<double> total_{0};
+  std::vector<Cluster> clusters_;
+  std::vector<Candidate> heap_;        ///< clusters that may be split
+  std::size_t settled_count_ = 0;      ///< clusters without error
+  Rgb<double> settled_{0};             ///< their sum
+  Rgb<double> total_{0};               ///< of everything, `known` included
+  std::vector<std::uint32_t> batch_;
+  std::vector<Pending> pending_;
+  std::vector<Ray<S>> rays_;
+  std::vector<S> visible_;
   std::uint64_t key_ = 0;
   PairStatistics statistics_;
 };
 
-template <class Scene, Weighting W>
+template <class Scene, class W>
 PairSumResult CutSum<Scene, W>::operator()(const std::vector<Sensor<Scene, W>>& sensors, const Rgb<double>& known,
                                            std::uint64_t key) {
   statistics_ = {};
-  heap_.clear();
-  leaves_.clear();
   if (sensors.empty()) return {};
-  key_ = mix_bits(key);
-  gather_.build(sensors, weighting_);
-  total_ = known;
-  for (const std::uint32_t root : lights_.roots()) push(fresh(0, root));
-  while (!heap_.empty()) {
-    const double allowed = config_.threshold * std::max(luminance(total_), config_.floor);
-    if (heap_.front().error <= allowed) break;
-    if (heap_.size() + leaves_.size() >= config_.max_cut) {
-      statistics_.capped = true;
-      break;
-    }
-    std::pop_heap(heap_.begin(), heap_.end());
-    const Entry worst = heap_.back();
-    heap_.pop_back();
-    split(worst);
-  }
+  start(sensors, known, key);
+  while (take_worst()) split_batch();
   // Summed afresh: the running total has lost small terms under large early estimates.
   PairSumResult result;
-  for (const Entry& entry : leaves_) result.radiance += estimate(entry);
-  for (const Entry& entry : heap_) result.radiance += estimate(entry);
-  statistics_.cut_size = heap_.size() + leaves_.size();
+  result.radiance = settled_;
+  for (const Candidate& candidate : heap_) {
+    result.radiance += estimate(clusters_[candidate.cluster]);
+    statistics_.error_bound += static_cast<double>(candidate.error);
+  }
+  statistics_.cut_size = cut_size();
   result.statistics = statistics_;
   return result;
 }
 
+/// The coarsest cut: every pair of roots.
+template <class Scene, class W>
+void CutSum<Scene, W>::start(const std::vector<Sensor<Scene, W>>& sensors, const Rgb<double>& known,
+                             std::uint64_t key) {
+  key_ = mix_bits(key);
+  gather_.build(sensors, weighting_);
+  clusters_.clear();
+  heap_.clear();
+  pending_.clear();
+  settled_count_ = 0;
+  settled_ = Rgb<double>(0);
+  total_ = known;
+  for (const std::uint32_t root : lights_.roots()) open(0, root);
+  evaluate_pending();
+}
+
+/// Moves the worst clusters above the allowed error from the heap to the batch; false if there are none.
+template <class Scene, class W>
+bool CutSum<Scene, W>::take_worst() {
+  batch_.clear();
+  const double allowed = config_.threshold * std::max(luminance(total_), config_.floor);
+  const std::size_t size = cut_size();
+  while (batch_.size() < k_batch && !heap_.empty() && heap_.front().error > allowed) {
+    if (size + batch_.size() >= config_.max_cut) {
+      statistics_.capped = batch_.empty();
+      break;
+    }
+    std::pop_heap(heap_.begin(), heap_.end());
+    batch_.push_back(heap_.back().cluster);
+    heap_.pop_back();
+  }
+  return !batch_.empty();
+}
+
+template <class Scene, class W>
+void CutSum<Scene, W>::split_batch() {
+  for (const std::uint32_t cluster : batch_) lights_.prefetch_children(clusters_[cluster].light);
+  for (const std::uint32_t cluster : batch_) split(cluster);
+  evaluate_pending();
+}
+
+/// Replaces a cluster by two: one keeps its representative pair (and its slot), the other draws a new one.
+template <class Scene, class W>
+void CutSum<Scene, W>::split(std::uint32_t cluster) {
+  const Cluster parent = clusters_[cluster];
+  total_ -= estimate(parent);
+  const bool on_gather = splits_gather(gather_.node(parent.gather), lights_.node(parent.light));
+  const std::uint32_t first = on_gather ? gather_.node(parent.gather).child : lights_.node(parent.light).child;
+  const std::uint32_t heir = on_gather ? gather_.inheriting_child(parent.gather, parent.sensor)
+                                       : lights_.inheriting_child(parent.light, parent.vpl);
+  for (std::uint32_t child = first; child < first + 2; ++child) {
+    const std::uint32_t gather = on_gather ? child : parent.gather;
+    const std::uint32_t light = on_gather ? parent.light : child;
+    if (child == heir) {
+      inherit(cluster, gather, light);
+    } else {
+      open(gather, light);
+    }
+  }
+}
+
+template <class Scene, class W>
+void CutSum<Scene, W>::inherit(std::uint32_t cluster, std::uint32_t gather, std::uint32_t light) {
+  Cluster& c = clusters_[cluster];
+  c.gather = gather;
+  c.light = light;
+  c.scale = luminance(gather_.node(gather).strength) * luminance(lights_.node(light).intensity);
+  total_ += estimate(c);
+  const GatherNode<S>& g = gather_.node(gather);
+  const LightNode<S>& l = lights_.node(light);
+  place(cluster, g.is_leaf && l.is_leaf ? S(0) : error(g, l, c.scale, upper_bound(g, l)));
+}
+
+template <class Scene, class W>
+void CutSum<Scene, W>::open(std::uint32_t gather, std::uint32_t light) {
+  const GatherNode<S>& g = gather_.node(gather);
+  const LightNode<S>& l = lights_.node(light);
+  const S bound = upper_bound(g, l);
+  if (!(bound > S(0))) {
+    ++settled_count_;
+    return;
+  }
+  const std::uint64_t random = mix_bits(key_ ^ ((std::uint64_t{gather} << 32) | light));
+  Cluster c{};
+  c.gather = gather;
+  c.light = light;
+  c.scale = luminance(g.strength) * luminance(l.intensity);
+  c.sensor = gather_.representative(gather, to_unit_interval<double>(static_cast<std::uint32_t>(random >> 32)));
+  c.vpl = lights_.representative(light, to_unit_interval<double>(static_cast<std::uint32_t>(random)));
+  lights_.prefetch_vpl(c.vpl);
+  pending_.push_back({static_cast<std::uint32_t>(clusters_.size()), bound});
+  clusters_.push_back(c);
+}
+
+/// Evaluates the representatives of all new clusters, with one batch of shadow rays, and puts them into the cut.
+template <class Scene, class W>
+void CutSum<Scene, W>::evaluate_pending() {
+  rays_.clear();
+  for (const Pending& pending : pending_) {
+    Cluster& c = clusters_[pending.cluster];
+    const Sensor<Scene, W>& sensor = gather_.sensor_of_leaf(c.sensor);
+    const VertexOf<Scene>& light = lights_.vpls()[c.vpl];
+    const Transfer<S> transfer =
+        unoccluded_transfer<Scene>(weighting_, sensor, light, scene_.emitters().scene_radius(), max_edges_);
+    if (!transfer.is_valid) ++statistics_.invalid;
+    if (is_black(transfer.value)) continue;
+    if (max_channel(transfer.value) > pending.bound * S(1.00001)) ++statistics_.bound_violations;  // rounding of products
+    c.unit = transfer.value * (sensor.vertex.strength / luminance(sensor.vertex.strength)) *
+             (light.strength / luminance(light.strength));
+    rays_.push_back(shadow_ray<Scene>(sensor.vertex, light));
+  }
+  statistics_.pairs += pending_.size();
+  visible_.resize(rays_.size());
+  scene_.visibility(rays_, visible_, statistics_.rays);
+  std::size_t ray = 0;
+  for (const Pending& pending : pending_) {
+    Cluster& c = clusters_[pending.cluster];
+    if (!is_black(c.unit)) {
+      c.unit *= visible_[ray++];
+      total_ += estimate(c);
+    }
+    place(pending.cluster, error(gather_.node(c.gather), lights_.node(c.light), c.scale, pending.bound));
+  }
+  pending_.clear();
+}
+
+template <class Scene, class W>
+void CutSum<Scene, W>::place(std::uint32_t cluster, S error) {
+  if (error > S(0)) {
+    heap_.push_back({error, cluster});
+    std::push_heap(heap_.begin(), heap_.end());
+  } else {
+    ++settled_count_;
+    settled_ += estimate(clusters_[cluster]);
+  }
+}
+
 /// Bound of w M T D over the pair, sr^-2 m^-2 [theory 6.2, 6.5].
-template <class Scene, Weighting W>
+template <class Scene, class W>
 typename Scene::Scalar CutSum<Scene, W>::upper_bound(const GatherNode<S>& gather,
                                                      const LightNode<S>& light) const noexcept {
   const Box<S> vectors = light.is_infinite ? light.box : difference(gather.box, light.box);
@@ -157,86 +308,24 @@ typename Scene::Scalar CutSum<Scene, W>::upper_bound(const GatherNode<S>& gather
 }
 
 /// Splits the side whose size, or spread of normals seen from the other side's distance, is larger [theory 5.4].
-template <class Scene, Weighting W>
+template <class Scene, class W>
 bool CutSum<Scene, W>::splits_gather(const GatherNode<S>& gather, const LightNode<S>& light) const noexcept {
   if (gather.is_leaf) return false;
   if (light.is_leaf) return true;
-  if (light.is_infinite) {
-    const S spread = std::min(S(2), S(2) * gather.normals.half_angle());
-    return spread > light.box.diagonal();
-  }
+  if (light.is_infinite) return S(2) * spread(gather.normals) > light.box.diagonal();
   const S distance = glm::length(gather.box.center() - light.box.center());
-  const S gather_size = gather.box.diagonal() + distance * std::min(S(1), gather.normals.half_angle());
-  const S light_size = light.box.diagonal() + distance * std::min(S(1), light.normals.half_angle()) * S(0.5);
+  const S gather_size = gather.box.diagonal() + distance * spread(gather.normals);
+  const S light_size = light.box.diagonal() + distance * spread(light.normals) * S(0.5);
   return gather_size > light_size;
 }
 
-template <class Scene, Weighting W>
-auto CutSum<Scene, W>::inherited(std::uint32_t gather, std::uint32_t light, const Entry& parent) const -> Entry {
-  Entry entry = parent;
-  entry.gather = gather;
-  entry.light = light;
-  const GatherNode<S>& c = gather_.node(gather);
-  const LightNode<S>& l = lights_.node(light);
-  entry.error = c.is_leaf && l.is_leaf ? 0 : static_cast<double>(luminance(c.strength * l.intensity) * upper_bound(c, l));
-  return entry;
-}
-
-template <class Scene, Weighting W>
-auto CutSum<Scene, W>::fresh(std::uint32_t gather, std::uint32_t light) -> Entry {
-  Entry entry{};
-  entry.gather = gather;
-  entry.light = light;
-  entry.key = mix_bits(key_ ^ ((std::uint64_t{gather} << 32) | light));
-  entry.sensor = gather_.representative(gather, entry.key);
-  const GatherNode<S>& c = gather_.node(gather);
-  const LightNode<S>& l = lights_.node(light);
-  const S bound = upper_bound(c, l);
-  entry.error = c.is_leaf && l.is_leaf ? 0 : static_cast<double>(luminance(c.strength * l.intensity) * bound);
-  if (bound > S(0)) evaluate(entry, bound);
-  return entry;
-}
-
-template <class Scene, Weighting W>
-void CutSum<Scene, W>::evaluate(Entry& entry, S bound) {
-  const Sensor<Scene, W>& sensor = gather_.sensor(entry.sensor);
-  const VertexOf<Scene>& light = lights_.vpl(lights_.representative(entry.light, slot(entry.sensor)));
-  ++statistics_.pairs;
-  const Transfer<S> transfer =
-      unoccluded_transfer<Scene>(weighting_, sensor, light, scene_.emitters().scene_radius(), max_edges_);
-  if (!transfer.is_valid) ++statistics_.invalid;
-  if (is_black(transfer.value)) return;
-  if (max_channel(transfer.value) > bound * S(1.00001)) ++statistics_.bound_violations;  // rounding of the product
-  const S visible = visibility(scene_, sensor.vertex, light, statistics_.rays);
-  entry.unit = transfer.value * (sensor.vertex.strength / luminance(sensor.vertex.strength)) *
-               (light.strength / luminance(light.strength)) * visible;
-}
-
-template <class Scene, Weighting W>
-void CutSum<Scene, W>::push(const Entry& entry) {
-  total_ += estimate(entry);
-  if (!(entry.error > 0)) {
-    leaves_.push_back(entry);
-    return;
-  }
-  heap_.push_back(entry);
-  std::push_heap(heap_.begin(), heap_.end());
-}
-
-template <class Scene, Weighting W>
-void CutSum<Scene, W>::split(const Entry& entry) {
-  total_ -= estimate(entry);
-  const GatherNode<S>& gather = gather_.node(entry.gather);
-  const LightNode<S>& light = lights_.node(entry.light);
-  const bool on_gather = splits_gather(gather, light);
-  const std::uint32_t first = on_gather ? gather.child : light.child;
-  const std::uint32_t heir = on_gather ? gather_.inheriting_child(entry.gather, entry.key)
-                                       : lights_.inheriting_child(entry.light, slot(entry.sensor));
-  for (std::uint32_t child = first; child < first + 2; ++child) {
-    const std::uint32_t g = on_gather ? child : entry.gather;
-    const std::uint32_t l = on_gather ? entry.light : child;
-    push(child == heir ? inherited(g, l, entry) : fresh(g, l));
-  }
+template <class Scene, class W>
+typename Scene::Scalar CutSum<Scene, W>::error(const GatherNode<S>& gather, const LightNode<S>& light, S scale,
+                                               S bound) noexcept {
+  if (gather.is_leaf && light.is_leaf) return S(0);
+  const S of_estimate = std::min(gather.saturation, light.saturation) * scale;
+  return std::max(luminance(gather.strength * light.intensity), of_estimate) * bound;
 }
 
 }  // namespace manylight
+

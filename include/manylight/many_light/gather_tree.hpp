@@ -9,7 +9,7 @@
 
 #include "manylight/bounds/direction_cone.hpp"
 #include "manylight/bounds/pattern_bound.hpp"
-#include "manylight/many_light/cluster_split.hpp"
+#include "manylight/many_light/representatives.hpp"
 #include "manylight/path/eye_subpath.hpp"
 
 namespace manylight {
@@ -21,12 +21,13 @@ struct GatherNode {
   DirectionCone<S> normals;  ///< of the shading normals
   DirectionCone<S> lobes;    ///< of the mirror directions of wo
   Rgb<S> strength{0};        ///< sum of S
-  S luminance = S(0);        ///< of `strength`
+  S saturation = S(1);       ///< largest max_channel(S) / luminance(S) of the sensors
   S diffuse = S(0);          ///< M <= diffuse max(0, cos) / pi + gloss(angle to the nearest lobe), capped
   GlossProfile<S> gloss{};
   S cap = S(0);              ///< limit of the weighted pattern, sr^-1; infinite if nothing is known
   S remaining = S(0);        ///< largest 1 - W of the sensors, see SensorLimit
-  std::uint32_t child = 0;   ///< index of the first child, the second follows; of the sensor in a leaf
+  std::uint32_t child = 0;   ///< index of the first child, the second follows
+  LeafRange leaves;          ///< the sensors, in leaf order
   bool is_leaf = true;
   bool has_gloss = false;
   bool has_both_sides = false;  ///< light from below the shading normal may be scattered
@@ -38,7 +39,7 @@ template <std::floating_point S>
   const S cosine = max_cosine(node.normals, to_light);
   if (cosine <= S(0) && !node.has_both_sides) return S(0);
   S bound = node.diffuse * std::max(S(0), cosine) * k_inv_pi<S>;
-  if (node.has_gloss) bound += node.gloss.beyond(min_angle(node.lobes, to_light));
+  if (node.has_gloss) bound += node.gloss.beyond(max_cosine(node.lobes, to_light));
   return std::min(bound, node.cap);
 }
 
@@ -51,29 +52,30 @@ class GatherTree {
   void build(const std::vector<Sensor<Scene, W>>& sensors, const W& weighting);
 
   [[nodiscard]] const GatherNode<S>& node(std::uint32_t i) const noexcept { return nodes_[i]; }
-  [[nodiscard]] const Sensor<Scene, W>& sensor(std::uint32_t i) const noexcept { return (*sensors_)[i]; }
   [[nodiscard]] std::size_t size() const noexcept { return nodes_.size(); }
 
-  /// The child of inner node `i` that holds the node's representative for `key`: chosen with probability S / S_node by a
-  /// hash, so that different keys give independent representatives.
-  [[nodiscard]] std::uint32_t inheriting_child(std::uint32_t i, std::uint64_t key) const noexcept {
-    const std::uint32_t child = nodes_[i].child;
-    const S u = to_unit_interval<S>(static_cast<std::uint32_t>(mix_bits(key + i) >> 32));
-    return u * (nodes_[child].luminance + nodes_[child + 1].luminance) < nodes_[child].luminance ? child : child + 1;
+  /// The sensor at a place of the leaf order.
+  [[nodiscard]] const Sensor<Scene, W>& sensor_of_leaf(std::uint32_t leaf) const noexcept {
+    return (*sensors_)[items_[leaf].id];
   }
-  /// Index of the sensor that represents node `i` for `key`. O(depth).
-  [[nodiscard]] std::uint32_t representative(std::uint32_t i, std::uint64_t key) const noexcept {
-    while (!nodes_[i].is_leaf) i = inheriting_child(i, key);
-    return nodes_[i].child;
+  /// Place of the sensor that `u` in [0, 1) picks to represent node `i`: P = S / S_node, by luminance.
+  [[nodiscard]] std::uint32_t representative(std::uint32_t i, double u) const noexcept {
+    return representatives_.pick(nodes_[i].leaves, u);
+  }
+  /// The child of inner node `i` that keeps its parent's representative.
+  [[nodiscard]] std::uint32_t inheriting_child(std::uint32_t i, std::uint32_t leaf) const noexcept {
+    const std::uint32_t child = nodes_[i].child;
+    return leaf < nodes_[child].leaves.end ? child : child + 1;
   }
 
  private:
-  [[nodiscard]] GatherNode<S> leaf(const W& weighting, std::uint32_t sensor) const;
+  [[nodiscard]] GatherNode<S> leaf(const W& weighting, std::uint32_t place) const;
   [[nodiscard]] GatherNode<S> combine(std::uint32_t child) const;
 
   const std::vector<Sensor<Scene, W>>* sensors_ = nullptr;
   std::vector<ClusterItem<S>> items_;
   std::vector<GatherNode<S>> nodes_;
+  Representatives<S> representatives_;
 };
 
 template <class Scene, class W>
@@ -85,22 +87,24 @@ void GatherTree<Scene, W>::build(const std::vector<Sensor<Scene, W>>& sensors, c
     items_.push_back({v.position, v.shading.normal(), luminance(v.strength), static_cast<std::uint32_t>(i)});
   }
   const std::vector<ClusterNode> clusters = split_clusters(items_, SerialExecutor{});
+  representatives_.clear();
+  representatives_.append(items_);
   nodes_.assign(clusters.size(), {});
   for (std::size_t i = clusters.size(); i-- > 0;) {
-    nodes_[i] = clusters[i].is_leaf ? leaf(weighting, items_[clusters[i].first].id) : combine(clusters[i].first);
+    nodes_[i] = clusters[i].is_leaf ? leaf(weighting, clusters[i].first) : combine(clusters[i].first);
   }
 }
 
 template <class Scene, class W>
-GatherNode<typename Scene::Scalar> GatherTree<Scene, W>::leaf(const W& weighting, std::uint32_t sensor) const {
-  const VertexOf<Scene>& v = (*sensors_)[sensor].vertex;
-  const SensorLimit<S> limit = weighting.limit((*sensors_)[sensor].record);
+GatherNode<typename Scene::Scalar> GatherTree<Scene, W>::leaf(const W& weighting, std::uint32_t place) const {
+  const VertexOf<Scene>& v = sensor_of_leaf(place).vertex;
+  const SensorLimit<S> limit = weighting.limit(sensor_of_leaf(place).record);
   GatherNode<S> node;
-  node.child = sensor;
+  node.leaves = {place, place + 1};
   node.box.extend(v.position);
   node.normals = DirectionCone<S>::of(v.shading.normal());
   node.strength = v.strength;
-  node.luminance = luminance(v.strength);
+  node.saturation = saturation(v.strength);
   const Frame<S> frame = v.shading.frame();
   const Vec3<S> wo = frame.to_local(v.w);
   const PatternBound<S> bound = pattern_bound(v.material, wo);
@@ -126,10 +130,11 @@ GatherNode<typename Scene::Scalar> GatherTree<Scene, W>::combine(std::uint32_t c
   GatherNode<S> node = a;
   node.is_leaf = false;
   node.child = child;
+  node.leaves.end = b.leaves.end;
   node.box.extend(b.box);
   node.normals = unite(a.normals, b.normals);
   node.strength += b.strength;
-  node.luminance += b.luminance;
+  node.saturation = std::max(a.saturation, b.saturation);
   node.diffuse = std::max(a.diffuse, b.diffuse);
   node.has_gloss = a.has_gloss || b.has_gloss;
   node.has_both_sides = a.has_both_sides || b.has_both_sides;

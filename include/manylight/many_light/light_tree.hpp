@@ -3,7 +3,8 @@
 
 // The light tree of [Walter 2005, section 3.1], built top-down: binary clusters of VPLs with the bounds and the sums
 // that refinement needs. Finite lights, lights at infinity (boxes of unit directions) and exact lights (no clamp in
-// their bound) have a tree each; all roots start in the same cut.
+// their bound) have a tree each; all roots start in the same cut. Bytes per VPL: its
+// vertex, two nodes, and 8 for drawing representatives.
 
 #include <algorithm>
 #include <cstdint>
@@ -12,7 +13,8 @@
 
 #include "manylight/bounds/direction_cone.hpp"
 #include "manylight/bounds/pattern_bound.hpp"
-#include "manylight/many_light/cluster_split.hpp"
+#include "manylight/core/prefetch.hpp"
+#include "manylight/many_light/representatives.hpp"
 #include "manylight/many_light/vpl_set.hpp"
 
 namespace manylight {
@@ -23,10 +25,11 @@ struct LightNode {
   Box<S> box;                ///< of positions, m; of unit directions towards the light if `is_infinite`
   DirectionCone<S> normals;  ///< of the geometric normals
   Rgb<S> intensity{0};       ///< sum of I, W
-  S luminance = S(0);        ///< of `intensity`
+  S saturation = S(1);       ///< largest max_channel(I) / luminance(I) of the VPLs
   S diffuse = S(0);          ///< D <= min(limit, diffuse max(0, cos) / pi + gloss), cos to the nearest normal
   S gloss = S(0);            ///< sr^-1
-  std::uint32_t child = 0;   ///< index of the first child, the second follows; of the VPL in a leaf
+  std::uint32_t child = 0;   ///< index of the first child, the second follows
+  LeafRange leaves;          ///< the VPLs, in leaf order
   bool is_leaf = true;
   bool is_infinite = false;
   bool is_exact = false;      ///< some VPL is exact: the bound of a pair has no clamp
@@ -82,47 +85,47 @@ class LightTree {
  public:
   using S = typename Scene::Scalar;
 
-  /// Builds the trees over `vpls`, which must outlive the tree. O(N log N), iterative; the result depends on the order
-  /// of the VPLs only.
+  /// Builds the trees over `vpls` and keeps them in leaf order: lights of a cluster are neighbours in memory. O(N log N),
+  /// iterative; the result depends on the order of the VPLs only.
   template <Executor Exec>
-  LightTree(const std::vector<VertexOf<Scene>>& vpls, const Exec& executor);
+  LightTree(std::vector<VertexOf<Scene>> vpls, const Exec& executor);
 
   [[nodiscard]] const std::vector<std::uint32_t>& roots() const noexcept { return roots_; }
   [[nodiscard]] const LightNode<S>& node(std::uint32_t i) const noexcept { return nodes_[i]; }
-  [[nodiscard]] const VertexOf<Scene>& vpl(std::uint32_t i) const noexcept { return (*vpls_)[i]; }
-  [[nodiscard]] std::size_t vpl_count() const noexcept { return vpls_->size(); }
+  /// All VPLs, in leaf order.
+  [[nodiscard]] const std::vector<VertexOf<Scene>>& vpls() const noexcept { return vpls_; }
   [[nodiscard]] std::size_t bytes() const noexcept {
-    return nodes_.size() * sizeof(LightNode<S>) + vpls_->size() * sizeof(VertexOf<Scene>);
+    return nodes_.size() * sizeof(LightNode<S>) + vpls_.size() * sizeof(VertexOf<Scene>) + representatives_.bytes();
   }
 
-  /// The child of inner node `i` that shares its representative in `slot`: chosen with probability proportional to
-  /// luminance, so that P(VPL represents cluster) = I / I_cluster; a pure function, so nothing is stored.
-  [[nodiscard]] std::uint32_t inheriting_child(std::uint32_t i, std::uint32_t slot) const noexcept {
-    const LightNode<S>& parent = nodes_[i];
-    const auto bits = static_cast<std::uint32_t>(mix_bits((std::uint64_t{i} << 32) | slot) >> 32);
-    const S u = to_unit_interval<S>(bits);
-    return u * (nodes_[parent.child].luminance + nodes_[parent.child + 1].luminance) < nodes_[parent.child].luminance
-               ? parent.child
-               : parent.child + 1;
+  void prefetch_children(std::uint32_t i) const noexcept {
+    if (!nodes_[i].is_leaf) prefetch(&nodes_[nodes_[i].child], 2 * sizeof(LightNode<S>));
   }
-  /// Index of the VPL that represents node `i` in `slot`. O(depth).
-  [[nodiscard]] std::uint32_t representative(std::uint32_t i, std::uint32_t slot) const noexcept {
-    while (!nodes_[i].is_leaf) i = inheriting_child(i, slot);
-    return nodes_[i].child;
+  void prefetch_vpl(std::uint32_t leaf) const noexcept { prefetch(&vpls_[leaf], sizeof(VertexOf<Scene>)); }
+  /// Place of the VPL that `u` in [0, 1) picks to represent node `i`: P = I / I_node, by luminance.
+  [[nodiscard]] std::uint32_t representative(std::uint32_t i, double u) const noexcept {
+    return representatives_.pick(nodes_[i].leaves, u);
+  }
+  /// The child of inner node `i` that keeps its parent's representative.
+  [[nodiscard]] std::uint32_t inheriting_child(std::uint32_t i, std::uint32_t leaf) const noexcept {
+    const std::uint32_t child = nodes_[i].child;
+    return leaf < nodes_[child].leaves.end ? child : child + 1;
   }
 
  private:
-  void set_leaf(LightNode<S>& node, std::uint32_t vpl) const noexcept;
+  void set_leaf(LightNode<S>& node, std::uint32_t leaf) const noexcept;
   void combine(LightNode<S>& parent) const noexcept;
 
-  const std::vector<VertexOf<Scene>>* vpls_;
+  std::vector<VertexOf<Scene>> vpls_;
   std::vector<LightNode<S>> nodes_;
   std::vector<std::uint32_t> roots_;
+  Representatives<S> representatives_;
 };
 
 template <class Scene>
 template <Executor Exec>
-LightTree<Scene>::LightTree(const std::vector<VertexOf<Scene>>& vpls, const Exec& executor) : vpls_(&vpls) {
+LightTree<Scene>::LightTree(std::vector<VertexOf<Scene>> vpls, const Exec& executor) {
+  vpls_.reserve(vpls.size());
   std::vector<ClusterItem<S>> groups[3];
   for (std::size_t i = 0; i < vpls.size(); ++i) {
     const VertexOf<Scene>& v = vpls[i];
@@ -134,12 +137,15 @@ LightTree<Scene>::LightTree(const std::vector<VertexOf<Scene>>& vpls, const Exec
     if (group.empty()) continue;
     const std::vector<ClusterNode> clusters = split_clusters(group, executor);
     const auto offset = static_cast<std::uint32_t>(nodes_.size());
+    const auto first_leaf = static_cast<std::uint32_t>(vpls_.size());
+    representatives_.append(group);
+    for (const ClusterItem<S>& item : group) vpls_.push_back(vpls[item.id]);
     roots_.push_back(offset);
     nodes_.resize(nodes_.size() + clusters.size());
     for (std::size_t i = clusters.size(); i-- > 0;) {  // children come after their parent
       LightNode<S>& node = nodes_[offset + i];
       if (clusters[i].is_leaf) {
-        set_leaf(node, group[clusters[i].first].id);
+        set_leaf(node, first_leaf + clusters[i].first);
       } else {
         node.is_leaf = false;
         node.child = offset + clusters[i].first;
@@ -150,12 +156,12 @@ LightTree<Scene>::LightTree(const std::vector<VertexOf<Scene>>& vpls, const Exec
 }
 
 template <class Scene>
-void LightTree<Scene>::set_leaf(LightNode<S>& node, std::uint32_t vpl) const noexcept {
-  const VertexOf<Scene>& v = (*vpls_)[vpl];
-  node.child = vpl;
+void LightTree<Scene>::set_leaf(LightNode<S>& node, std::uint32_t leaf) const noexcept {
+  const VertexOf<Scene>& v = vpls_[leaf];
+  node.leaves = {leaf, leaf + 1};
   node.box.extend(v.position);
   node.intensity = v.strength;
-  node.luminance = luminance(v.strength);
+  node.saturation = saturation(v.strength);
   node.is_infinite = v.is_infinite();
   node.is_exact = v.exact;
   set_leaf_pattern(node, v);
@@ -165,11 +171,12 @@ template <class Scene>
 void LightTree<Scene>::combine(LightNode<S>& parent) const noexcept {
   const LightNode<S>& a = nodes_[parent.child];
   const LightNode<S>& b = nodes_[parent.child + 1];
+  parent.leaves = {a.leaves.begin, b.leaves.end};
   parent.box = a.box;
   parent.box.extend(b.box);
   parent.normals = unite(a.normals, b.normals);
   parent.intensity = a.intensity + b.intensity;
-  parent.luminance = a.luminance + b.luminance;
+  parent.saturation = std::max(a.saturation, b.saturation);
   parent.diffuse = std::max(a.diffuse, b.diffuse);
   parent.gloss = std::max(a.gloss, b.gloss);
   parent.is_infinite = a.is_infinite;

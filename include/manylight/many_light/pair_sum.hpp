@@ -15,6 +15,7 @@ struct PairStatistics {
   std::uint64_t cut_size = 0;         ///< clusters in the final cut; all pairs for brute force
   std::uint64_t invalid = 0;          ///< pairs that were not finite and were dropped
   std::uint64_t bound_violations = 0; ///< pairs found above their bound; always 0 unless a bound is wrong
+  double error_bound = 0;             ///< sum of the cut's error bounds, luminance: a guarantee, mostly far from sharp
   bool capped = false;                ///< the maximum cut ended the refinement
   RayCounts rays;
 
@@ -23,6 +24,7 @@ struct PairStatistics {
     cut_size += other.cut_size;
     invalid += other.invalid;
     bound_violations += other.bound_violations;
+    error_bound += other.error_bound;
     capped = capped || other.capped;
     rays += other.rays;
     return *this;
@@ -56,14 +58,9 @@ class BruteForceSum {
             unoccluded_transfer<Scene>(weighting_, sensor, light, scene_.emitters().scene_radius(), max_edges_);
         if (!transfer.is_valid) ++result.statistics.invalid;
         if (is_black(transfer.value)) continue;
-        const Rgb<S> value = sensor.vertex.strength * transfer.value * light.strength;
-        if (scene_.has_transparency()) {
-          result.radiance += Rgb<double>(value * visibility(scene_, sensor.vertex, light, result.statistics.rays));
-        } else {
-          batch.rays.push_back(shadow_ray(sensor.vertex, light));
-          batch.values.push_back(value);
-          if (batch.rays.size() == k_batch) flush(batch, result);
-        }
+        batch.rays.push_back(shadow_ray<Scene>(sensor.vertex, light));
+        batch.values.push_back(sensor.vertex.strength * transfer.value * light.strength);
+        if (batch.rays.size() == k_batch) flush(batch, result);
       }
     }
     flush(batch, result);
@@ -76,23 +73,13 @@ class BruteForceSum {
   struct Batch {
     std::vector<Ray<S>> rays;
     std::vector<Rgb<S>> values;
-    std::vector<std::uint8_t> blocked;
+    std::vector<S> visible;
   };
 
-  [[nodiscard]] static Ray<S> shadow_ray(const VertexOf<Scene>& sensor, const VertexOf<Scene>& light) {
-    if (light.is_infinite()) {
-      return {offset_origin(sensor.position, sensor.error, sensor.ng, light.position), light.position};
-    }
-    return segment_ray(sensor.position, sensor.error, sensor.ng, light.position, light.error, light.ng);
-  }
-
   void flush(Batch& batch, PairSumResult& result) const {
-    batch.blocked.assign(batch.rays.size(), 0);
-    scene_.geometry().any_hit_batch(batch.rays, batch.blocked);
-    for (std::size_t i = 0; i < batch.rays.size(); ++i) {
-      if (batch.blocked[i] == 0) result.radiance += Rgb<double>(batch.values[i]);
-    }
-    result.statistics.rays.shadow += batch.rays.size();
+    batch.visible.resize(batch.rays.size());
+    scene_.visibility(batch.rays, batch.visible, result.statistics.rays);
+    for (std::size_t i = 0; i < batch.rays.size(); ++i) result.radiance += Rgb<double>(batch.values[i] * batch.visible[i]);
     batch.rays.clear();
     batch.values.clear();
   }

@@ -101,6 +101,13 @@ template <std::floating_point S, Material M>
   return pair;
 }
 
+/// The shadow ray of a pair.
+template <class Scene>
+[[nodiscard]] Ray<typename Scene::Scalar> shadow_ray(const VertexOf<Scene>& sensor, const VertexOf<Scene>& light) {
+  return light.is_infinite() ? Scene::shadow_ray(sensor.anchor(), light.position)
+                             : Scene::shadow_ray(sensor.anchor(), light.anchor());
+}
+
 /// Visibility of a pair, in [0, 1]; one shadow ray.
 template <class Scene>
 [[nodiscard]] typename Scene::Scalar visibility(const Scene& scene, const VertexOf<Scene>& sensor,

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -87,9 +90,19 @@ class Scene {
   [[nodiscard]] Scalar visibility(const Anchor<Scalar>& from, const Anchor<Scalar>& to, RayCounts& rays) const;
   /// The same towards infinity along the unit `direction`.
   [[nodiscard]] Scalar visibility(const Anchor<Scalar>& from, const Vec3<Scalar>& direction, RayCounts& rays) const;
+  /// The same for many segments at once, by the backend's batches. `passed` is as long as `segments`.
+  void visibility(std::span<const Ray<Scalar>> segments, std::span<Scalar> passed, RayCounts& rays) const;
+
+  /// The segment between two points, and from one towards infinity, as shadow rays: ends set off from their surfaces.
+  [[nodiscard]] static Ray<Scalar> shadow_ray(const Anchor<Scalar>& from, const Anchor<Scalar>& to) noexcept {
+    return segment_ray(from.position, from.error, from.ng, to.position, to.error, to.ng);
+  }
+  [[nodiscard]] static Ray<Scalar> shadow_ray(const Anchor<Scalar>& from, const Vec3<Scalar>& direction) noexcept {
+    return {offset_origin(from.position, from.error, from.ng, direction), direction, Scalar(0), k_infinity<Scalar>};
+  }
 
  private:
-  [[nodiscard]] Scalar transparency(Ray<Scalar> ray, RayCounts& rays) const;
+  [[nodiscard]] Scalar transparency_of_blocked(Ray<Scalar> ray) const;
   [[nodiscard]] Ray<Scalar> beyond(const Ray<Scalar>& ray, const SurfacePoint<Scalar>& point) const;
 
   G geometry_;
@@ -154,20 +167,38 @@ Interaction<typename G::Scalar, typename Shader::Material> Scene<G, Shader>::int
 template <class G, class Shader>
 typename G::Scalar Scene<G, Shader>::visibility(const Anchor<Scalar>& from, const Anchor<Scalar>& to,
                                                 RayCounts& rays) const {
-  return transparency(segment_ray(from.position, from.error, from.ng, to.position, to.error, to.ng), rays);
+  ++rays.shadow;
+  const Ray<Scalar> ray = shadow_ray(from, to);
+  return geometry_.any_hit(ray) ? transparency_of_blocked(ray) : Scalar(1);
 }
 
 template <class G, class Shader>
 typename G::Scalar Scene<G, Shader>::visibility(const Anchor<Scalar>& from, const Vec3<Scalar>& direction,
                                                 RayCounts& rays) const {
-  const Vec3<Scalar> origin = offset_origin(from.position, from.error, from.ng, direction);
-  return transparency(Ray<Scalar>{origin, direction, Scalar(0), k_infinity<Scalar>}, rays);
+  ++rays.shadow;
+  const Ray<Scalar> ray = shadow_ray(from, direction);
+  return geometry_.any_hit(ray) ? transparency_of_blocked(ray) : Scalar(1);
 }
 
 template <class G, class Shader>
-typename G::Scalar Scene<G, Shader>::transparency(Ray<Scalar> ray, RayCounts& rays) const {
-  ++rays.shadow;
-  if (!geometry_.any_hit(ray)) return Scalar(1);
+void Scene<G, Shader>::visibility(std::span<const Ray<Scalar>> segments, std::span<Scalar> passed,
+                                  RayCounts& rays) const {
+  MANYLIGHT_ASSERT(segments.size() == passed.size());
+  constexpr std::size_t k_chunk = 256;
+  std::array<std::uint8_t, k_chunk> blocked;
+  rays.shadow += segments.size();
+  for (std::size_t begin = 0; begin < segments.size(); begin += k_chunk) {
+    const std::size_t count = std::min(k_chunk, segments.size() - begin);
+    geometry_.any_hit_batch(segments.subspan(begin, count), std::span(blocked.data(), count));
+    for (std::size_t i = 0; i < count; ++i) {
+      passed[begin + i] = blocked[i] != 0 ? transparency_of_blocked(segments[begin + i]) : Scalar(1);
+    }
+  }
+}
+
+/// What passes a segment that meets some surface: the product of (1 - opacity) over all that it meets.
+template <class G, class Shader>
+typename G::Scalar Scene<G, Shader>::transparency_of_blocked([[maybe_unused]] Ray<Scalar> ray) const {
   if constexpr (!Shader::k_may_be_transparent) {
     return Scalar(0);
   } else {
