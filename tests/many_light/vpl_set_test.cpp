@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <vector>
 
 #include "manylight/many_light/vpl_set.hpp"
@@ -108,7 +109,7 @@ TYPED_TEST(VplSets, DeltaLightsGiveOneExactVplEach) {
   const auto scene = test::compose_bvh<Lambertian<S>>(parts, {Lambertian<S>{Rgb<S>(S(0.5))}});
   RayCounts rays;
   const auto set = trace_vpls(scene, VplConfig{3000}, IndependentSampler<S>{3}, SerialExecutor{}, rays);
-  ASSERT_GE(set.vpls.size(), 3000u);
+  ASSERT_GE(set.vpls.size(), 3003u);
   const double four_pi = 4 * k_pi<double>;
   EXPECT_NEAR(static_cast<double>(set.vpls[0].strength.y), 2 * four_pi, 1e-4);  // float
   EXPECT_NEAR(static_cast<double>(set.vpls[1].strength.x), 3 * four_pi, 1e-4);
@@ -124,6 +125,76 @@ TYPED_TEST(VplSets, DeltaLightsGiveOneExactVplEach) {
     sum += static_cast<double>(luminance(set.vpls[i].strength));
   }
   EXPECT_NEAR(static_cast<double>(set.mean_intensity), sum / static_cast<double>(set.vpls.size() - 3), 1e-4);
+}
+
+/// Runs tasks in order and keeps their number: what batches of paths look like to an executor.
+struct CountingExecutor {
+  std::size_t* tasks;
+  template <class Task>
+  void for_each_index(std::size_t n, const Task& task) const {
+    *tasks += n;
+    for (std::size_t i = n; i > 0; --i) task(i - 1);  // backwards: the order of work must not matter
+  }
+  [[nodiscard]] std::size_t concurrency() const noexcept { return 1; }
+};
+
+// A set is the definition's whatever the rounds: paths 0, 1, 2, ... one by one until the count is reached.
+// Planted bugs seen to fail: the round's paths numbered from its second batch on as in rounds of 512; surplus paths of
+// the last round counted in N.
+TYPED_TEST(VplSets, RoundsDoNotShow) {
+  using S = TypeParam;
+  const auto scene = this->sphere(S(0.7), S(0.5));
+  using SceneType = std::remove_cv_t<decltype(scene)>;
+  const IndependentSampler<S> sampler{8};
+  for (const std::size_t count : {1u, 30u, 33u, 1000u, 40000u}) {
+    RayCounts rays, expected_rays;
+    std::size_t tasks = 0;
+    const auto set = trace_vpls(scene, VplConfig{count}, sampler, CountingExecutor{&tasks}, rays);
+    std::vector<VertexOf<SceneType>> expected;
+    std::size_t paths = 0;
+    for (; expected.size() < count; ++paths) {
+      auto stream = sampler.stream(Stage::light, paths, 0);
+      LightSubpath<SceneType, decltype(stream)>(scene, 0xFFFF, stream, expected_rays, expected).trace();
+    }
+    ASSERT_EQ(set.path_count, paths);
+    ASSERT_EQ(set.vpls.size(), expected.size());
+    for (std::size_t i = 0; i < expected.size(); ++i) {
+      ASSERT_EQ(set.vpls[i].position, expected[i].position);
+      ASSERT_EQ(set.vpls[i].strength, expected[i].strength / static_cast<S>(paths));
+    }
+    // What is traced in vain: at most about the first guess or the least round of 32 paths, of some 3 rays each.
+    EXPECT_LT(rays.closest, 2 * expected_rays.closest + 400) << count;
+    EXPECT_GE(tasks, std::min<std::size_t>(paths, 32)) << "no executor goes idle";
+  }
+}
+
+// `count` is of VPLs from light paths, however many exact ones there are. Planted bug seen to fail: exact ones counted,
+// which left no indirect light at all under as many lamps as VPLs.
+TYPED_TEST(VplSets, ExactVplsComeOnTop) {
+  using S = TypeParam;
+  auto parts = test::inside_of_sphere<S>(S(2), S(0));
+  for (int i = 0; i < 100; ++i) parts.emitters.points.push_back({Vec3<S>(S(0.01) * static_cast<S>(i)), Rgb<S>(1)});
+  const auto scene = test::compose_bvh<Lambertian<S>>(parts, {Lambertian<S>{Rgb<S>(S(0.5))}});
+  for (const std::size_t count : {1u, 100u, 150u}) {
+    RayCounts rays;
+    const auto set = trace_vpls(scene, VplConfig{count}, IndependentSampler<S>{9}, SerialExecutor{}, rays);
+    EXPECT_GE(set.vpls.size(), 100 + count);
+    EXPECT_LT(set.vpls.size(), 100 + count + 50);  // the end of one path, 0.5^50 per path to be longer
+    EXPECT_GT(set.mean_intensity, S(0));
+  }
+}
+
+// Direct light of exact emitters alone needs no light path. Planted bug seen to fail: 16 paths per VPL traced in vain.
+TYPED_TEST(VplSets, NoPathsWhereNoneCanLeaveAVpl) {
+  using S = TypeParam;
+  auto parts = test::inside_of_sphere<S>(S(2), S(0));
+  parts.emitters.points.push_back({Vec3<S>(0), Rgb<S>(1)});
+  const auto scene = test::compose_bvh<Lambertian<S>>(parts, {Lambertian<S>{Rgb<S>(S(0.5))}});
+  RayCounts rays;
+  const auto set = trace_vpls(scene, VplConfig{100, 2}, IndependentSampler<S>{9}, SerialExecutor{}, rays);
+  EXPECT_EQ(set.vpls.size(), 1u);
+  EXPECT_EQ(set.path_count, 0u);
+  EXPECT_EQ(set.mean_intensity, S(0));
 }
 
 TYPED_TEST(VplSets, LongestPathIsRespected) {
@@ -161,6 +232,7 @@ TYPED_TEST(VplSets, LightIntoTheVoidEnds) {
   RayCounts rays;
   const auto set = trace_vpls(scene, VplConfig{100}, IndependentSampler<S>{6}, SerialExecutor{}, rays);
   EXPECT_EQ(set.vpls.size(), 1u);
+  EXPECT_EQ(set.path_count, 1601u) << "16 per VPL and one, whatever the rounds";
 }
 
 }  // namespace

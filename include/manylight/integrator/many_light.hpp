@@ -16,7 +16,7 @@ namespace manylight {
 
 /// Parameters of the many-light methods.
 struct ManyLightConfig {
-  std::size_t vpls = 1'000'000;            ///< virtual point lights wanted
+  std::size_t vpls = 1'000'000;            ///< virtual point lights left by light paths, see VplConfig
   unsigned eye_paths = 64;                 ///< eye samples per pixel, >= 1
   unsigned max_edges = k_unlimited_edges;  ///< longest path, segments
   double threshold = 0.02;                 ///< lightcuts: relative error bound of a cluster, [0, 1]

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -10,15 +13,17 @@
 namespace manylight {
 
 struct VplConfig {
-  std::size_t count = 1'000'000;  ///< VPLs wanted; the path that reaches the count is finished
-  unsigned max_edges = 0xFFFF;    ///< longest full path, segments
+  /// VPLs that light paths shall leave, those of point and directional lights not counted: they come on top. The path
+  /// that reaches the count is finished.
+  std::size_t count = 1'000'000;
+  unsigned max_edges = 0xFFFF;  ///< longest full path, segments
 };
 
 /// The virtual point lights of a scene, in the order of their paths; exact ones first.
 template <class Scene>
 struct VplSet {
-  std::vector<VertexOf<Scene>> vpls;  ///< strength = I, W
-  std::size_t path_count = 0;         ///< N
+  std::vector<VertexOf<Scene>> vpls;          ///< strength = I, W
+  std::size_t path_count = 0;                 ///< N
   typename Scene::Scalar mean_intensity = 0;  ///< I_avg: mean luminance of I over VPLs that are not exact, W
 };
 
@@ -46,59 +51,91 @@ void append_exact_vpls(const Scene& scene, std::vector<VertexOf<Scene>>& out) {
   }
 }
 
-/// Light paths of one task: [first, first + count), with the end of each path in `vpls`.
+/// Light paths of one task, in order, with the end of each in `vpls`.
 template <class Scene>
 struct LightBatch {
   std::vector<VertexOf<Scene>> vpls;
   std::vector<std::uint32_t> path_ends;
   RayCounts rays;
 };
-}  // namespace detail
 
-/// Traces light subpaths until `config.count` VPLs exist. Paths are independent of each other and of the executor.
+/// Paths of the next round: as many as the `missing` VPLs need at the yield so far (1/2 path per VPL to begin with), so
+/// that small sets trace few paths in vain; at least one for each of 32 tasks, at most 32 x 512, which bounds the
+/// memory. Any number gives the same set: every path has its own random numbers, and surplus ones are dropped.
+[[nodiscard]] inline std::size_t next_round(std::size_t missing, std::size_t found, std::size_t paths) noexcept {
+  const double paths_per_vpl = (static_cast<double>(paths) + 1) / (static_cast<double>(found) + 2);
+  return static_cast<std::size_t>(std::clamp(std::ceil(static_cast<double>(missing) * paths_per_vpl), 32.0, 16384.0));
+}
+
+/// Traces the paths [first, first + count), a few per task; in path order.
 template <class Scene, Sampler Random, Executor Exec>
-[[nodiscard]] VplSet<Scene> trace_vpls(const Scene& scene, const VplConfig& config, const Random& sampler,
-                                       const Exec& executor, RayCounts& rays) {
-  using S = typename Scene::Scalar;
-  constexpr std::size_t k_paths_per_batch = 512;
-  constexpr std::size_t k_batches = 32;
-  VplSet<Scene> set;
-  detail::append_exact_vpls(scene, set.vpls);
-  const std::size_t exact_count = set.vpls.size();
-  if (scene.emitters().empty() || config.max_edges < 2) return set;
-  // Paths of delta lights into the void leave nothing: a bound on the number of paths ends such scenes.
-  const std::size_t max_paths = 16 * config.count + 1;
-  bool done = set.vpls.size() >= config.count;
-  while (!done && set.path_count < max_paths) {
-    std::vector<detail::LightBatch<Scene>> batches(k_batches);
-    executor.for_each_index(k_batches, [&](std::size_t b) {
-      detail::LightBatch<Scene>& batch = batches[b];
-      for (std::size_t i = 0; i < k_paths_per_batch; ++i) {
-        auto stream = sampler.stream(Stage::light, set.path_count + b * k_paths_per_batch + i, 0);
-        LightSubpath<Scene, decltype(stream)>(scene, config.max_edges, stream, batch.rays, batch.vpls).trace();
-        batch.path_ends.push_back(static_cast<std::uint32_t>(batch.vpls.size()));
-      }
-    });
-    for (const auto& batch : batches) {
-      rays += batch.rays;
-      std::size_t begin = 0;
-      for (std::size_t i = 0; i < batch.path_ends.size() && !done; ++i) {
-        const std::size_t end = batch.path_ends[i];
-        for (std::size_t v = begin; v < end; ++v) set.vpls.push_back(batch.vpls[v]);
-        begin = end;
-        ++set.path_count;
-        done = set.vpls.size() >= config.count;
-      }
+[[nodiscard]] std::vector<LightBatch<Scene>> trace_light_paths(const Scene& scene, unsigned max_edges,
+                                                               const Random& sampler, const Exec& executor,
+                                                               std::size_t first, std::size_t count) {
+  const std::size_t per_batch = (count + 31) / 32;
+  std::vector<LightBatch<Scene>> batches((count + per_batch - 1) / per_batch);
+  executor.for_each_index(batches.size(), [&](std::size_t b) {
+    LightBatch<Scene>& batch = batches[b];
+    const std::size_t end = std::min(count, (b + 1) * per_batch);
+    for (std::size_t i = b * per_batch; i < end; ++i) {
+      auto stream = sampler.stream(Stage::light, first + i, 0);
+      LightSubpath<Scene, decltype(stream)>(scene, max_edges, stream, batch.rays, batch.vpls).trace();
+      batch.path_ends.push_back(static_cast<std::uint32_t>(batch.vpls.size()));
     }
-  }
+  });
+  return batches;
+}
+
+/// Divides by the number of paths and averages; exact VPLs are left as they are.
+template <class Scene>
+void normalise(VplSet<Scene>& set, std::size_t exact_count) {
+  using S = typename Scene::Scalar;
+  if (set.vpls.size() == exact_count) return;
   double sum = 0;
   for (std::size_t i = exact_count; i < set.vpls.size(); ++i) {
     set.vpls[i].strength /= static_cast<S>(set.path_count);
     sum += static_cast<double>(luminance(set.vpls[i].strength));
   }
-  if (set.vpls.size() > exact_count) {
-    set.mean_intensity = static_cast<S>(sum / static_cast<double>(set.vpls.size() - exact_count));
+  set.mean_intensity = static_cast<S>(sum / static_cast<double>(set.vpls.size() - exact_count));
+}
+
+/// Whether light paths can leave a VPL: not if they consist of the emission alone and that is exact.
+template <class Scene>
+[[nodiscard]] bool has_inexact_vpls(const Scene& scene, unsigned max_edges) noexcept {
+  const auto& emitters = scene.emitters();
+  if (emitters.empty() || max_edges < 2) return false;
+  return max_edges > 2 || emitters.count() > emitters.points().size() + emitters.directionals().size();
+}
+}  // namespace detail
+
+/// Traces light subpaths until they have left `config.count` VPLs. Paths are independent of each other and of the
+/// executor. Where paths leave less than one VPL in 16, in a scene almost without surfaces, the set is smaller.
+template <class Scene, Sampler Random, Executor Exec>
+[[nodiscard]] VplSet<Scene> trace_vpls(const Scene& scene, const VplConfig& config, const Random& sampler,
+                                       const Exec& executor, RayCounts& rays) {
+  VplSet<Scene> set;
+  detail::append_exact_vpls(scene, set.vpls);
+  const std::size_t exact_count = set.vpls.size();
+  const auto found = [&] { return set.vpls.size() - exact_count; };
+  if (!detail::has_inexact_vpls(scene, config.max_edges)) return set;
+  // Paths of delta lights into the void leave nothing: a bound on the number of paths ends such scenes.
+  const std::size_t max_paths = 16 * config.count + 1;
+  while (found() < config.count && set.path_count < max_paths) {
+    const std::size_t round =
+        std::min(detail::next_round(config.count - found(), found(), set.path_count), max_paths - set.path_count);
+    for (const auto& batch :
+         detail::trace_light_paths(scene, config.max_edges, sampler, executor, set.path_count, round)) {
+      rays += batch.rays;
+      std::size_t begin = 0;
+      for (std::size_t i = 0; i < batch.path_ends.size() && found() < config.count; ++i) {
+        const std::size_t end = batch.path_ends[i];
+        for (std::size_t v = begin; v < end; ++v) set.vpls.push_back(batch.vpls[v]);
+        begin = end;
+        ++set.path_count;
+      }
+    }
   }
+  detail::normalise(set, exact_count);
   return set;
 }
 

@@ -11,11 +11,17 @@ namespace manylight {
 template <std::floating_point S>
 struct Transfer {
   Rgb<S> value{0};
-  bool is_valid = true;  ///< false: not finite; the value is 0 and the caller counts it
+  bool is_valid = true;  ///< false: too large for a sum of it times S and I to be finite; the value is 0, the caller counts it
 };
 
 /// Longest path that counts, in segments.
 inline constexpr unsigned k_unlimited_edges = 0xFFFFu;
+
+namespace detail {
+/// A pixel sums fewer pairs than this: it stays finite if every S w M T D I times this is.
+template <std::floating_point S>
+inline constexpr S k_room_for_sums = S(0x1p40);
+}  // namespace detail
 
 /// Evaluates a pair; pairs whose path is longer than `max_edges` carry nothing.
 template <class Scene, Weighting W>
@@ -31,11 +37,11 @@ template <class Scene, Weighting W>
   const S d_light = max_channel(pair.d);
   const S weight = weighting.weight(sensor.record, PairPatterns<S>{m, pair.sensor_d, pair.t, d_light, light.exact});
   if (!(weight > S(0))) return {};
-  // M T D may overflow next to a surface, where the clamp binds: then w M T D is the clamp itself.
-  const S unweighted = pair.t * m * d_light;
-  const S geometry = unweighted < k_infinity<S> ? unweighted * weight : weighting.clamp();
-  const Rgb<S> value = (pair.m / m) * (pair.d / d_light) * geometry;
-  if (!is_valid_radiance(value)) return {Rgb<S>(0), false};
+  // Next to a surface M T D may overflow. The clamp has then left w = C / inf = 0, which is also what the later vertices
+  // of the eye path reckon with; without a clamp (C = inf, exact lights) the pair is dropped: such pairs have measure 0.
+  const Rgb<S> value = (pair.m / m) * (pair.d / d_light) * (pair.t * m * d_light * weight);
+  const Rgb<S> with_room = sensor.vertex.strength * value * light.strength * detail::k_room_for_sums<S>;
+  if (!is_valid_radiance(value) || !is_finite(with_room)) return {Rgb<S>(0), false};
   return {value, true};
 }
 

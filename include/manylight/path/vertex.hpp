@@ -11,11 +11,8 @@
 
 namespace manylight {
 
-/// A material may state `static constexpr bool k_isotropic = true`: its vertices then store a normal, not a frame.
-template <class M>
-inline constexpr bool k_is_isotropic = requires { requires M::k_isotropic; };
-
 namespace detail {
+/// The shading frame that a vertex stores; of an isotropic material the normal alone, from which any frame is as good.
 template <std::floating_point S, bool Isotropic>
 class ShadingFrame {
  public:

@@ -20,6 +20,8 @@ class AnyOf {
  public:
   using Scalar = typename M::Scalar;
   using S = Scalar;
+  /// Vertices need no tangent: true if no part does.
+  static constexpr bool k_isotropic = k_is_isotropic<M> && (k_is_isotropic<Ms> && ...);
   static_assert((std::same_as<typename Ms::Scalar, S> && ...), "all materials of an AnyOf need the same Scalar");
 
   AnyOf() = default;

@@ -12,6 +12,7 @@ namespace manylight {
 template <std::floating_point S>
 struct Mirror {
   using Scalar = S;
+  static constexpr bool k_isotropic = true;  ///< vertices need no tangent
   Rgb<S> reflectance{S(1)};  ///< per channel, [0, 1]
 
   /// Throws ParameterError.
@@ -45,6 +46,7 @@ struct Mirror {
 template <std::floating_point S>
 struct SmoothConductor {
   using Scalar = S;
+  static constexpr bool k_isotropic = true;  ///< vertices need no tangent
   Rgb<S> eta{S(0)};       ///< real part of the index relative to the outside, per channel, >= 0
   Rgb<S> k{S(1)};         ///< imaginary part, >= 0; eta = 0 reflects everything
   Rgb<S> specular{S(1)};  ///< factor on the reflectance, [0, 1]

@@ -15,6 +15,7 @@ namespace manylight {
 template <std::floating_point S>
 struct Dielectric {
   using Scalar = S;
+  static constexpr bool k_isotropic = true;  ///< vertices need no tangent
   S eta = S(1.5046);                    ///< index inside / index outside, > 0
   Rgb<S> specular_reflectance{S(1)};    ///< factor on reflected light, [0, 1]
   Rgb<S> specular_transmittance{S(1)};  ///< factor on refracted light, [0, 1]
@@ -73,6 +74,7 @@ struct Dielectric {
 template <std::floating_point S>
 struct ThinDielectric {
   using Scalar = S;
+  static constexpr bool k_isotropic = true;  ///< vertices need no tangent
   S eta = S(1.5046);                    ///< index of the sheet / index around it, > 0
   Rgb<S> specular_reflectance{S(1)};    ///< factor on reflected light, [0, 1]
   Rgb<S> specular_transmittance{S(1)};  ///< factor on transmitted light, [0, 1]

@@ -55,6 +55,8 @@ class Mixture {
  public:
   using Scalar = typename M::Scalar;
   using S = Scalar;
+  /// Vertices need no tangent: true if no part does.
+  static constexpr bool k_isotropic = k_is_isotropic<M> && (k_is_isotropic<Ms> && ...);
   static_assert((std::same_as<typename Ms::Scalar, S> && ...), "all lobes of a Mixture need the same Scalar");
 
   Mixture() = default;

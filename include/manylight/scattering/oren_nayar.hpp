@@ -20,6 +20,7 @@ enum class OrenNayarModel { full, qualitative };
 template <std::floating_point S>
 struct OrenNayar {
   using Scalar = S;
+  static constexpr bool k_isotropic = true;  ///< vertices need no tangent
   Rgb<S> reflectance{S(0.5)};  ///< albedo of the facets per channel, [0, 1]
   /// Root mean square slope of the facets, the roughness of the Beckmann distribution; the paper's sigma (rad) is taken
   /// as alpha / sqrt(2), the conversion that the peers use.

@@ -17,6 +17,7 @@ namespace manylight {
 template <std::floating_point S>
 struct Phong {
   using Scalar = S;
+  static constexpr bool k_isotropic = true;  ///< vertices need no tangent
   Rgb<S> specular{S(0.5)};  ///< albedo at normal incidence per channel, [0, 1]
   S exponent = S(50);       ///< n >= 0; the larger, the sharper
 

@@ -21,6 +21,7 @@ enum class CoatedBase : bool { linear, nonlinear };
 template <std::floating_point S>
 struct Plastic {
   using Scalar = S;
+  static constexpr bool k_isotropic = true;  ///< vertices need no tangent
   Rgb<S> diffuse{S(0.5)};  ///< reflectance of the base per channel, [0, 1]
   Rgb<S> specular{S(1)};   ///< factor on the mirror reflection, [0, 1]
 
