@@ -67,7 +67,7 @@ Light zenith_light(const Rgb<S>& strength, bool exact) {
 // O-26, every pair exactly once: sensor i has the strength 32^i and light k the intensity 2^k, so that the sum is a
 // binary number with one digit per pair: all ones if each pair is covered once, for every size of the cut from the
 // roots to single pairs and every choice of representatives. 25 digits; a digit amiss is 3e-8 of the sum.
-// Planted bugs seen to fail: a split whose second child is pushed twice; a child lost; an heir with its parent's S_C.
+// Planted bugs seen to fail: a split whose second child is pushed twice; a child lost.
 TEST(CutCover, EveryPairOnce) {
   const TestScene scene = open_scene();
   const Weights weighting;
