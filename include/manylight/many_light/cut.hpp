@@ -41,8 +41,12 @@ struct CutConfig {
   }
 };
 
-template <class Scene, Weighting W>
+template <class Scene, class W>
 class CutSum {
+  static_assert(Weighting<W>,
+                "manylight::CutSum: the weighting must model Weighting: Scalar, Record, start, extend, extend_delta, weight, "
+                "hit_weight, binding, hit_binding, prune, prune_delta, limit, clamp, light_limit");
+
  public:
   using S = typename Scene::Scalar;
 
@@ -106,7 +110,7 @@ class CutSum {
   PairStatistics statistics_;
 };
 
-template <class Scene, Weighting W>
+template <class Scene, class W>
 PairSumResult CutSum<Scene, W>::operator()(const std::vector<Sensor<Scene, W>>& sensors, const Rgb<double>& known,
                                            std::uint64_t key) {
   statistics_ = {};
@@ -139,7 +143,7 @@ PairSumResult CutSum<Scene, W>::operator()(const std::vector<Sensor<Scene, W>>& 
 }
 
 /// Bound of w M T D over the pair, sr^-2 m^-2 [theory 6.2, 6.5].
-template <class Scene, Weighting W>
+template <class Scene, class W>
 typename Scene::Scalar CutSum<Scene, W>::upper_bound(const GatherNode<S>& gather,
                                                      const LightNode<S>& light) const noexcept {
   const Box<S> vectors = light.is_infinite ? light.box : difference(gather.box, light.box);
@@ -157,7 +161,7 @@ typename Scene::Scalar CutSum<Scene, W>::upper_bound(const GatherNode<S>& gather
 }
 
 /// Splits the side whose size, or spread of normals seen from the other side's distance, is larger [theory 5.4].
-template <class Scene, Weighting W>
+template <class Scene, class W>
 bool CutSum<Scene, W>::splits_gather(const GatherNode<S>& gather, const LightNode<S>& light) const noexcept {
   if (gather.is_leaf) return false;
   if (light.is_leaf) return true;
@@ -171,7 +175,7 @@ bool CutSum<Scene, W>::splits_gather(const GatherNode<S>& gather, const LightNod
   return gather_size > light_size;
 }
 
-template <class Scene, Weighting W>
+template <class Scene, class W>
 auto CutSum<Scene, W>::inherited(std::uint32_t gather, std::uint32_t light, const Entry& parent) const -> Entry {
   Entry entry = parent;
   entry.gather = gather;
@@ -182,7 +186,7 @@ auto CutSum<Scene, W>::inherited(std::uint32_t gather, std::uint32_t light, cons
   return entry;
 }
 
-template <class Scene, Weighting W>
+template <class Scene, class W>
 auto CutSum<Scene, W>::fresh(std::uint32_t gather, std::uint32_t light) -> Entry {
   Entry entry{};
   entry.gather = gather;
@@ -197,7 +201,7 @@ auto CutSum<Scene, W>::fresh(std::uint32_t gather, std::uint32_t light) -> Entry
   return entry;
 }
 
-template <class Scene, Weighting W>
+template <class Scene, class W>
 void CutSum<Scene, W>::evaluate(Entry& entry, S bound) {
   const Sensor<Scene, W>& sensor = gather_.sensor(entry.sensor);
   const VertexOf<Scene>& light = lights_.vpl(lights_.representative(entry.light, slot(entry.sensor)));
@@ -212,7 +216,7 @@ void CutSum<Scene, W>::evaluate(Entry& entry, S bound) {
                (light.strength / luminance(light.strength)) * visible;
 }
 
-template <class Scene, Weighting W>
+template <class Scene, class W>
 void CutSum<Scene, W>::push(const Entry& entry) {
   total_ += estimate(entry);
   if (!(entry.error > 0)) {
@@ -223,7 +227,7 @@ void CutSum<Scene, W>::push(const Entry& entry) {
   std::push_heap(heap_.begin(), heap_.end());
 }
 
-template <class Scene, Weighting W>
+template <class Scene, class W>
 void CutSum<Scene, W>::split(const Entry& entry) {
   total_ -= estimate(entry);
   const GatherNode<S>& gather = gather_.node(entry.gather);
