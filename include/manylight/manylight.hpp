@@ -69,6 +69,8 @@
 #include "manylight/scene/sphere_cone.hpp"
 #include "manylight/path/connect.hpp"
 #include "manylight/path/eye_subpath.hpp"
+#include "manylight/path/four_constraints.hpp"
+#include "manylight/path/kollig_keller.hpp"
 #include "manylight/path/light_subpath.hpp"
 #include "manylight/path/transfer.hpp"
 #include "manylight/path/vertex.hpp"

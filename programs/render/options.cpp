@@ -108,7 +108,11 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
   CLI::App app{"Renders a scene file (Mitsuba XML subset) with many-light methods.", "manylight-render"};
   const std::map<std::string, Method> methods{
       {"path", Method::path}, {"vpl", Method::vpl}, {"lightcuts", Method::lightcuts}, {"bdlc", Method::bdlc}};
-  const std::map<std::string, Weights> weightings{{"standard", Weights::standard}, {"four", Weights::four}};
+  const std::map<std::string, Weights> weightings{{"standard", Weights::standard},
+                                                  {"four", Weights::four},
+                                                  {"residual", Weights::residual},
+                                                  {"kollig_keller", Weights::kollig_keller},
+                                                  {"full", Weights::full}};
   const std::map<std::string, Backend> backends{{"bvh", Backend::bvh}, {"embree", Backend::embree}};
   const std::map<std::string, SamplerKind> samplers{{"independent", SamplerKind::independent},
                                                     {"sobol", SamplerKind::sobol}};

@@ -12,7 +12,7 @@
 namespace manylight::render {
 
 enum class Method { path, vpl, lightcuts, bdlc };
-enum class Weights { standard, four };
+enum class Weights { standard, four, residual, kollig_keller, full };
 enum class Backend { bvh, embree };
 enum class SamplerKind { independent, sobol };
 

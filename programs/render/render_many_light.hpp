@@ -5,6 +5,7 @@
 
 #include "manylight/integrator/bidirectional_lightcuts.hpp"
 #include "manylight/integrator/instant_radiosity.hpp"
+#include "manylight/path/kollig_keller.hpp"
 #include "render/setup.hpp"
 
 namespace manylight::render {
@@ -55,9 +56,14 @@ class ManyLightJob {
     result_.statistics["seconds"]["vpls"] = clock.seconds();
     add_rays(result_, lights_.rays);
     report_lights();
+    // `full` and `residual` are limits of `standard` and `four`: three weightings are instantiated, not five.
+    const WeightingConfig<float>& weights = lights_.weights;
     switch (options_.weights) {
-      case Weights::standard: render_with(StandardWeighting<float>(lights_.weights)); break;
-      case Weights::four: render_with(FourConstraints<float>(lights_.weights)); break;
+      case Weights::standard: render_with(StandardWeighting<float>(weights)); break;
+      case Weights::full: render_with<StandardWeighting<float>>(FullWeighting<float>()); break;
+      case Weights::four: render_with(FourConstraints<float>(weights)); break;
+      case Weights::residual: render_with<FourConstraints<float>>(ResidualWeighting<float>(weights)); break;
+      case Weights::kollig_keller: render_with(KolligKeller<float>(weights)); break;
     }
   }
 

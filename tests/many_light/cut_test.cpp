@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "manylight/many_light/cut.hpp"
+#include "manylight/path/four_constraints.hpp"
 #include "support/analytic_scenes.hpp"
 #include "support/random_vertices.hpp"
 #include "support/z_test.hpp"

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "manylight/many_light/gather_tree.hpp"
+#include "manylight/path/four_constraints.hpp"
 #include "support/chi_square.hpp"
 #include "support/random_vertices.hpp"
 

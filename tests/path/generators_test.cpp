@@ -9,6 +9,7 @@
 #include <optional>
 #include <vector>
 
+#include "manylight/path/four_constraints.hpp"
 #include "manylight/path/light_subpath.hpp"
 #include "manylight/path/transfer.hpp"
 #include "support/analytic_scenes.hpp"

@@ -1,124 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// Oracle of the weights: the recursion as it is defined, O(k) per weight with the whole history at hand, written here
-// from the definitions [Walter 2012, Eq. 4-10] and sharing no code with the header.
+// The four constraints against the recursion as it is defined: see weight_oracle.hpp.
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
-#include <random>
-#include <vector>
-
-#include "manylight/path/weighting.hpp"
+#include "manylight/path/four_constraints.hpp"
+#include "path/weight_oracle.hpp"
 
 namespace manylight {
 namespace {
 
-constexpr double k_inf = std::numeric_limits<double>::infinity();
-constexpr double k_one_over_pi = 0.318309886183790672;
-
-/// Vertices 1 .. l (index 0 unused): patterns of v_j, transit of segment (j, j+1); a Dirac vertex has M = D = inf. The
-/// last vertex is the light: only its D counts.
-struct Path {
-  std::vector<double> m{0}, d{0}, t{0};
-  std::vector<bool> dirac{false};
-  void add(double m_j, double d_j, double t_j) {
-    m.push_back(m_j);
-    d.push_back(d_j);
-    t.push_back(t_j);
-    dirac.push_back(m_j == k_inf);
-  }
-  [[nodiscard]] std::size_t length() const { return m.size() - 1; }
-};
-
-double theta(const Path& p, std::size_t j) {
-  double sum = 0;
-  for (std::size_t i = 1; i + 1 <= j; ++i) sum += p.dirac[i] ? 0 : std::sqrt(1 / (3.14159265358979323846 * p.m[i]));
-  return sum;
-}
-double gamma_of(const Path& p, const WeightingConfig<double>& c, std::size_t j) {
-  return theta(p, j) <= std::sqrt(1 / (3.14159265358979323846 * c.c_m)) ? k_inf : c.c_v;
-}
-double ratio(double gamma, double x) {  // min(Gamma / x, 1) with the limits inf / anything = 1, finite / inf = 0
-  if (gamma == k_inf) return 1;
-  return x == k_inf ? 0 : std::min(gamma / x, 1.0);
-}
-double mu(const Path& p, const WeightingConfig<double>& c, std::size_t j) {
-  const double gamma = gamma_of(p, c, j);
-  double value = ratio(gamma, p.d[j + 1]) * std::min(ratio(gamma, p.d[j]), ratio(gamma, p.m[j]));
-  for (std::size_t i = 1; i + 1 <= j; ++i) {
-    const double next = gamma_of(p, c, i + 1);
-    value *= std::min(ratio(next, p.d[i]), ratio(next, p.m[i]));
-  }
-  return value;
-}
-/// w_1 .. w_{l-1} at [1 .. l-1].
-std::vector<double> weights(const Path& p, const WeightingConfig<double>& c) {
-  std::vector<double> w(p.length(), 0.0);
-  double sum = 0;
-  for (std::size_t j = 1; j < p.length(); ++j) {
-    if (!p.dirac[j] && !p.dirac[j + 1]) {
-      const double clamp = std::min(c.c_clamp / (p.m[j] * p.t[j] * p.d[j + 1]), 1.0);
-      const double diffuse = std::min(c.c_d / p.d[j + 1], 1.0);
-      w[j] = std::max(0.0, std::min({1 - sum, clamp, diffuse, mu(p, c, j) - sum}));
-    }
-    sum += w[j];
-  }
-  return w;
-}
-double hit_weight(const Path& p, const WeightingConfig<double>& c) {
-  const std::size_t l = p.length();
-  bool all_dirac = true;
-  for (std::size_t i = 1; i < l; ++i) all_dirac = all_dirac && p.dirac[i];
-  if (all_dirac) return 1;
-  if (c.hits == EmitterHits::after_dirac) return 0;
-  double sum = 0;
-  for (const double x : weights(p, c)) sum += x;
-  double mu_hit = ratio(gamma_of(p, c, l), p.d[l]);
-  for (std::size_t i = 1; i < l; ++i) {
-    const double next = gamma_of(p, c, i + 1);
-    mu_hit *= std::min(ratio(next, p.d[i]), ratio(next, p.m[i]));
-  }
-  return std::max(0.0, std::min(1 - sum, mu_hit - sum));
-}
-
+using namespace test;  // NOLINT: the oracle's own names
 using Weights = FourConstraints<double>;
-
-Weights::Record record_at(const Weights& weighting, const Path& p, std::size_t k) {
-  Weights::Record record = weighting.start();
-  for (std::size_t j = 1; j < k; ++j) {
-    record = p.dirac[j] ? weighting.extend_delta(record) : weighting.extend(record, p.m[j], p.d[j], p.t[j]);
-  }
-  return record;
-}
-/// The light's own pattern at v_{k+1}, seen from generator k.
-PairPatterns<double> pair_at(const Path& p, std::size_t k) { return {p.m[k], p.d[k], p.t[k], p.d[k + 1], false}; }
-
-struct Random {
-  std::mt19937_64 engine;
-  double uniform() { return std::uniform_real_distribution<double>()(engine); }
-  double log_uniform(double lo, double hi) { return lo * std::pow(hi / lo, uniform()); }
-  WeightingConfig<double> config() {
-    WeightingConfig<double> c;
-    c.c_clamp = uniform() < 0.1 ? k_inf : log_uniform(1e-3, 1e4);
-    c.c_d = log_uniform(0.5, 5);
-    c.c_v = uniform() < 0.5 ? c.c_d : c.c_d * uniform();
-    c.c_m = log_uniform(1, 1e3);
-    return c;
-  }
-  Path path(std::size_t length, double dirac_share) {
-    Path p;
-    for (std::size_t j = 0; j < length; ++j) {
-      // Every other pattern is diffuse, so that wide and narrow bounces mix.
-      const bool delta = uniform() < dirac_share && j + 1 < length;
-      const double m = delta ? k_inf : uniform() < 0.4 ? k_one_over_pi * uniform() + 1e-3 : log_uniform(0.01, 3000);
-      const double d = delta ? k_inf : uniform() < 0.4 ? k_one_over_pi * uniform() + 1e-3 : log_uniform(0.01, 3000);
-      p.add(m, d, log_uniform(1e-3, 1e4));
-    }
-    return p;
-  }
-};
 
 // O-20, from the theory: c_clamp = 2, c_d = c_v = 1, c_m = 100; sums worked out by hand.
 TEST(FourConstraints, WorkedExamples) {

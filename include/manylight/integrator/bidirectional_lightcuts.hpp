@@ -14,6 +14,7 @@
 // energy that the constraints leave (3.8, EmitterHits); the floor of lightcuts.hpp.
 
 #include "manylight/integrator/lightcuts.hpp"
+#include "manylight/path/four_constraints.hpp"
 
 namespace manylight {
 

@@ -51,7 +51,9 @@ struct CutConfig {
 /// A pair sum by cuts; keeps its memory from pixel to pixel.
 template <class Scene, class W>
 class CutSum {
-  static_assert(Weighting<W>, "manylight::CutSum: the second argument must model Weighting (see path/weighting.hpp)");
+  static_assert(Weighting<W>,
+                "manylight::CutSum: the weighting must model Weighting: Scalar, Record, start, extend, extend_delta, weight, "
+                "hit_weight, binding, hit_binding, prune, prune_delta, limit, clamp, light_limit");
 
  public:
   using S = typename Scene::Scalar;

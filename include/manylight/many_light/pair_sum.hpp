@@ -38,8 +38,12 @@ struct PairSumResult {
 };
 
 /// Brute force: every pair, in order; shadow rays in batches. The oracle of every other pair sum.
-template <class Scene, Weighting W>
+template <class Scene, class W>
 class BruteForceSum {
+  static_assert(Weighting<W>,
+                "manylight::BruteForceSum: the weighting must model Weighting: Scalar, Record, start, extend, extend_delta, weight, "
+                "hit_weight, binding, hit_binding, prune, prune_delta, limit, clamp, light_limit");
+
  public:
   using S = typename Scene::Scalar;
 

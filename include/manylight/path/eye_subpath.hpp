@@ -33,8 +33,12 @@ template <std::floating_point S, Material M>
 ///  - `visitor.emission(radiance)`: an emitter that the path met itself, weighted, W/m^2/sr;
 ///  - `visitor.sensor(Sensor)`: a VPS to be connected.
 /// `weight`: filter weight over number of eye samples of the pixel. Paths longer than `max_edges` contribute nothing.
-template <class Scene, Weighting W, SampleStream Stream, class Visitor>
+template <class Scene, class W, SampleStream Stream, class Visitor>
 class EyeSubpath {
+  static_assert(Weighting<W>,
+                "manylight::EyeSubpath: the weighting must model Weighting: Scalar, Record, start, extend, extend_delta, weight, "
+                "hit_weight, binding, hit_binding, prune, prune_delta, limit, clamp, light_limit");
+
  public:
   using S = typename Scene::Scalar;
 

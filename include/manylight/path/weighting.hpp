@@ -2,20 +2,22 @@
 #pragma once
 
 // Weights of [Walter 2012, section 4]: generator k connects eye vertex v_k with light vertex v_{k+1} and gets weight
-// w_k in [0, 1]; sum over k <= 1 for every path. Notation: M_k, D_k patterns of v_k, D_{k+1} pattern of the VPL, T^w the
-// deterministic transit 1/d^2 (never the sampled transmittance: two generators of one path must see the same weight).
+// w_k in [0, 1]; sum over k <= 1 for every path. A weighting is the rule that shares a path among its generators:
 //
-//   symbol          here                symbol             here
-//   C_clamp, C_D    c_clamp, c_d        W_k = sum w_i       w_sum
-//   C_V, C_M        c_v, c_m            M_{k-1} T^w        q
-//   Gamma_k         gamma               prod min(...)      p
-//   Theta_k         theta               b_{k-1} P_{k-2}    k
+//   weighting           header                sensors              sum of weights
+//   StandardWeighting   weighting.hpp         first ordinary one   min(clamp, diffuse limit) of the first generator
+//   FullWeighting       weighting.hpp         first ordinary one   1, with infinite variance
+//   FourConstraints     four_constraints.hpp  recursive            1 where no eye subpath of high variance is needed
+//   ResidualWeighting   four_constraints.hpp  recursive            1 with emitter hits: no bias
+//   KolligKeller        kollig_keller.hpp     recursive            1 with emitter hits: no bias
 //
-// The record kept at an eye vertex makes every weight O(1) (theory sheet, section 3.5).
+// T^w in weights is the deterministic transit 1/d^2, never the sampled transmittance: two generators of one path must see
+// the same weight.
 
 #include <algorithm>
 #include <cmath>
 #include <concepts>
+#include <cstdint>
 
 #include "manylight/core/vector.hpp"
 
@@ -40,11 +42,24 @@ struct SensorLimit {
   S remaining = S(1);
 };
 
+/// What keeps a generator from taking more of a path than its weight.
+enum class Constraint : std::uint8_t {
+  energy,         ///< nothing: it takes all that is left. Also of generators that the weighting does not have
+  clamp,          ///< M T D is too large [Walter 2012, Eq. 6]
+  diffuse_light,  ///< the light vertex is too directional [Walter 2012, Eq. 7]
+  variance        ///< the eye subpath has too high a variance, now and later [Walter 2012, Eq. 8]
+};
+
 /// A rule that shares each path among its generators. Contract:
 ///  - `start()`: record of the first eye vertex; `extend(record, m, d, t)`: of the next one, reached by an ordinary
 ///    segment of T^w = t in a direction of patterns M_k = m, D_k = d; `extend_delta(record)`: after a Dirac vertex;
 ///  - `weight(record, patterns)`: w_k of a connection, in [0, 1];
-///  - `hit_weight(record, d_emitter)`: weight of the eye path having hit an emitter at this vertex itself;
+///  - `hit_weight(record, d_emitter)`: weight of the eye path having hit an emitter at this vertex itself, D of the
+///    emitter given; with the weights before, no more than 1;
+///  - `binding(record, patterns)`: the constraint that `weight` is the minimum of; of equal ones the first in the order
+///    energy, variance, clamp, diffuse_light, so that `energy` says that nothing is left or that the weighting has no
+///    such generator, and `variance` that no later one takes anything; `hit_binding(record, d_emitter)`: the same for
+///    `hit_weight`. Only the ledger of missing energy asks;
 ///  - `prune(record, d_sup)`: every weight from this vertex on is provably 0, whatever the direction, given that its
 ///    D_k <= d_sup; `prune_delta(record)`: the same for a Dirac continuation;
 ///  - `limit(record)`: see SensorLimit; `clamp()`, `light_limit()`: w M T D <= clamp (not for exact VPLs) and
@@ -58,6 +73,8 @@ concept Weighting = requires(const W& weighting, const typename W::Record& recor
   { weighting.extend_delta(record) } -> std::same_as<typename W::Record>;
   { weighting.weight(record, patterns) } -> std::same_as<typename W::Scalar>;
   { weighting.hit_weight(record, x) } -> std::same_as<typename W::Scalar>;
+  { weighting.binding(record, patterns) } -> std::same_as<Constraint>;
+  { weighting.hit_binding(record, x) } -> std::same_as<Constraint>;
   { weighting.prune(record, x) } -> std::same_as<bool>;
   { weighting.prune_delta(record) } -> std::same_as<bool>;
   { weighting.limit(record) } -> std::same_as<SensorLimit<typename W::Scalar>>;
@@ -68,14 +85,14 @@ concept Weighting = requires(const W& weighting, const typename W::Record& recor
 /// Which emitter hits of eye paths count (theory 3.8).
 enum class EmitterHits {
   after_dirac,  ///< only seen directly or through Dirac vertices: the paper's behaviour
-  all           ///< wherever the four constraints leave energy: restores clamped light of near emitters
+  all           ///< wherever the other generators leave energy: restores clamped light of near emitters
 };
 
 namespace detail {
-/// min(limit / x, 1) for x >= 0; 1 for limit = inf whatever x, 0 for x = inf.
+/// min(limit / x, 1) for x >= 0; 1 for limit = inf whatever x (inf and 0 * inf too), 0 for x = inf otherwise.
 template <std::floating_point S>
 [[nodiscard]] inline S at_most_one(S limit, S x) noexcept {
-  return x <= limit ? S(1) : limit / x;
+  return !(x > limit) ? S(1) : limit / x;
 }
 }  // namespace detail
 
@@ -88,6 +105,25 @@ struct WeightingConfig {
   S c_m = S(100);             ///< M above which a bounce counts as narrow, sr^-1 [Eq. 10]
   EmitterHits hits = EmitterHits::all;
 };
+
+namespace detail {
+/// w^C: what the clamp lets a pair carry, [0, 1] [Walter 2012, Eq. 6].
+template <std::floating_point S>
+[[nodiscard]] inline S clamp_limit(const WeightingConfig<S>& config, const PairPatterns<S>& pair) noexcept {
+  return pair.exact ? S(1) : at_most_one(config.c_clamp, pair.m * pair.t * pair.d_light);
+}
+/// w^D: what the limit of the light's directionality lets a pair carry, [0, 1] [Walter 2012, Eq. 7].
+template <std::floating_point S>
+[[nodiscard]] inline S diffuse_limit(const WeightingConfig<S>& config, const PairPatterns<S>& pair) noexcept {
+  return at_most_one(config.c_d, pair.d_light);
+}
+/// Which of the two binds where no other constraint does.
+template <std::floating_point S>
+[[nodiscard]] inline Constraint smaller_limit(S clamp, S diffuse) noexcept {
+  if (std::min(clamp, diffuse) >= S(1)) return Constraint::energy;
+  return clamp <= diffuse ? Constraint::clamp : Constraint::diffuse_light;
+}
+}  // namespace detail
 
 /// Classical virtual point lights: only the first non-Dirac eye vertex connects, w = min(w^C, w^D).
 template <std::floating_point S>
@@ -105,11 +141,14 @@ class StandardWeighting {
   [[nodiscard]] Record extend(const Record&, S, S, S) const noexcept { return {true}; }
   [[nodiscard]] Record extend_delta(const Record& record) const noexcept { return record; }
   [[nodiscard]] S weight(const Record& record, const PairPatterns<S>& pair) const noexcept {
-    if (record.used) return S(0);
-    const S clamp = pair.exact ? S(1) : detail::at_most_one(config_.c_clamp, pair.m * pair.t * pair.d_light);
-    return std::min(clamp, detail::at_most_one(config_.c_d, pair.d_light));
+    return record.used ? S(0) : std::min(detail::clamp_limit(config_, pair), detail::diffuse_limit(config_, pair));
+  }
+  [[nodiscard]] Constraint binding(const Record& record, const PairPatterns<S>& pair) const noexcept {
+    if (record.used) return Constraint::energy;
+    return detail::smaller_limit(detail::clamp_limit(config_, pair), detail::diffuse_limit(config_, pair));
   }
   [[nodiscard]] S hit_weight(const Record& record, S) const noexcept { return record.used ? S(0) : S(1); }
+  [[nodiscard]] Constraint hit_binding(const Record&, S) const noexcept { return Constraint::energy; }
   [[nodiscard]] bool prune(const Record& record, S) const noexcept { return record.used; }
   [[nodiscard]] bool prune_delta(const Record& record) const noexcept { return record.used; }
   [[nodiscard]] SensorLimit<S> limit(const Record&) const noexcept { return {}; }
@@ -120,116 +159,14 @@ class StandardWeighting {
   WeightingConfig<S> config_{};
 };
 
-/// The paper's four constraints: energy, clamp, diffuse VPLs, no high-variance eye subpaths [Eq. 4-10].
+/// Virtual point lights without any limit: the first non-Dirac eye vertex connects, w = 1. Unbiased and of infinite
+/// variance: an oracle for small scenes.
 template <std::floating_point S>
-class FourConstraints {
+class FullWeighting : public StandardWeighting<S> {
  public:
-  using Scalar = S;
-  /// State at v_k before its light-side direction is known (theory 3.5).
-  struct Record {
-    S w_sum = S(0);             ///< W: sum of w_i, i <= k-2
-    S q = S(0);                 ///< M_{k-1} T^w_{k-1,k}
-    S k = S(1);                 ///< b_{k-1} P_{k-2}
-    S gamma_before = k_infinity<S>;  ///< Gamma_{k-1}
-    S gamma = k_infinity<S>;    ///< Gamma_k
-    S p = S(1);                 ///< P_{k-1}
-    S theta = S(0);             ///< Theta_k, rad
-    bool connectable = false;   ///< segment k-1 can be made by connection
-    bool only_dirac = true;     ///< v_1 .. v_{k-1} are all Dirac
-  };
-
-  FourConstraints() = default;
-  explicit FourConstraints(const WeightingConfig<S>& config) : config_(config) {}
-
-  [[nodiscard]] Record start() const noexcept { return {}; }
-  [[nodiscard]] Record extend(const Record& record, S m, S d, S t) const noexcept;
-  [[nodiscard]] Record extend_delta(const Record& record) const noexcept;
-  [[nodiscard]] S weight(const Record& record, const PairPatterns<S>& pair) const noexcept;
-  [[nodiscard]] S hit_weight(const Record& record, S d_emitter) const noexcept;
-  [[nodiscard]] bool prune(const Record& record, S d_sup) const noexcept;
-  [[nodiscard]] bool prune_delta(const Record& record) const noexcept {
-    return record.gamma < k_infinity<S> || record.k <= record.w_sum;
-  }
-  [[nodiscard]] SensorLimit<S> limit(const Record& record) const noexcept;
-  [[nodiscard]] S clamp() const noexcept { return config_.c_clamp; }
-  [[nodiscard]] S light_limit() const noexcept { return config_.c_d; }
-
- private:
-  /// Weight of a segment: the smallest of the four constraints (energy, clamp, diffuse VPL, variance).
-  [[nodiscard]] S segment_weight(S w_sum, S q, S k, S gamma, S d_light, bool exact) const noexcept {
-    const S clamp = exact ? S(1) : detail::at_most_one(config_.c_clamp, q * d_light);
-    const S energy = S(1) - w_sum;
-    const S diffuse = detail::at_most_one(config_.c_d, d_light);
-    const S variance = detail::at_most_one(gamma, d_light) * k - w_sum;
-    return std::max(S(0), std::min(std::min(energy, clamp), std::min(diffuse, variance)));
-  }
-  [[nodiscard]] S previous_weight(const Record& record, S d) const noexcept {
-    if (!record.connectable) return S(0);
-    return segment_weight(record.w_sum, record.q, record.k, record.gamma_before, d, false);
-  }
-
-  WeightingConfig<S> config_{};
+  FullWeighting() : StandardWeighting<S>(WeightingConfig<S>{k_infinity<S>, k_infinity<S>}) {}
 };
 
-template <std::floating_point S>
-S FourConstraints<S>::weight(const Record& record, const PairPatterns<S>& pair) const noexcept {
-  const S w_sum = record.w_sum + previous_weight(record, pair.d);
-  const S k = std::min(detail::at_most_one(record.gamma, pair.d), detail::at_most_one(record.gamma, pair.m)) * record.p;
-  return segment_weight(w_sum, pair.m * pair.t, k, record.gamma, pair.d_light, pair.exact);
-}
-
-template <std::floating_point S>
-auto FourConstraints<S>::extend(const Record& record, S m, S d, S t) const noexcept -> Record {
-  Record next;
-  next.w_sum = record.w_sum + previous_weight(record, d);
-  next.q = m * t;
-  next.k = std::min(detail::at_most_one(record.gamma, d), detail::at_most_one(record.gamma, m)) * record.p;
-  next.gamma_before = record.gamma;
-  // A pattern above m covers at most 1/m sr, a cone of half-angle sqrt(1/(pi m)); spreads add [Eq. 9].
-  next.theta = record.theta + std::sqrt(k_inv_pi<S> / m);
-  next.gamma = next.theta <= std::sqrt(k_inv_pi<S> / config_.c_m) ? k_infinity<S> : config_.c_v;
-  next.p = record.p * std::min(detail::at_most_one(next.gamma, d), detail::at_most_one(next.gamma, m));
-  next.connectable = true;
-  next.only_dirac = false;
-  return next;
-}
-
-/// M = D = inf: no spread, w = 0 for the two segments at the vertex, and mu = 0 once Gamma is finite (theory 3.7).
-template <std::floating_point S>
-auto FourConstraints<S>::extend_delta(const Record& record) const noexcept -> Record {
-  Record next = record;
-  const S ratio = record.gamma < k_infinity<S> ? S(0) : S(1);
-  next.k = ratio * record.p;
-  next.p = ratio * record.p;
-  next.gamma_before = record.gamma;
-  next.connectable = false;
-  return next;
-}
-
-template <std::floating_point S>
-S FourConstraints<S>::hit_weight(const Record& record, S d_emitter) const noexcept {
-  if (record.only_dirac) return S(1);
-  if (config_.hits == EmitterHits::after_dirac) return S(0);
-  const S w_sum = record.w_sum + previous_weight(record, d_emitter);
-  const S mu = detail::at_most_one(record.gamma, d_emitter) * record.p;
-  return std::max(S(0), std::min(S(1), mu) - w_sum);
-}
-
-/// Necessary and sufficient for "the variance constraint binds at segment k-1 for every D_k in (0, d_sup]", after which
-/// all further weights are 0. The paper's sentence has the inequality the wrong way round (theory 3.6).
-template <std::floating_point S>
-bool FourConstraints<S>::prune(const Record& record, S d_sup) const noexcept {
-  if (!record.connectable) return record.k <= record.w_sum;
-  const S c = std::min(config_.c_d, config_.c_clamp / record.q);
-  return record.k - record.w_sum <= detail::at_most_one(c, std::min(d_sup, record.gamma_before));
-}
-
-template <std::floating_point S>
-SensorLimit<S> FourConstraints<S>::limit(const Record& record) const noexcept {
-  if (record.gamma < k_infinity<S>) return {std::max(S(0), record.p - record.w_sum), record.gamma, S(1)};
-  return {S(1), k_infinity<S>, S(1) - record.w_sum};
-}
-
-static_assert(Weighting<StandardWeighting<float>> && Weighting<FourConstraints<float>>);
+static_assert(Weighting<StandardWeighting<float>> && Weighting<FullWeighting<float>>);
 
 }  // namespace manylight
