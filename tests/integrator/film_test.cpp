@@ -104,8 +104,8 @@ class Renderer {
   std::optional<LightTree<SceneType>> tree_;
 };
 
-// Planted bugs seen to fail: samples of a path, or the key of a cut, numbered from the window's corner; tiles that reach
-// beyond the window's border (the heap breaks).
+// Planted bugs seen to fail: samples of a path, or the key of a cut, numbered from the window's corner; tiles that
+// reach beyond the window's border (the heap breaks).
 TEST(Windows, HaveTheBitsOfTheFullImage) {
   const Renderer renderer;
   for (const Method method : k_methods) {
