@@ -129,7 +129,8 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
   app.add_option("--window", window, "Pixels to render, x0,y0,x1,y1 (x1, y1 excluded) [the whole image]");
   app.add_option("--spp", o.spp, "Samples per pixel of method path")->capture_default_str();
   app.add_option("--eye-paths", o.eye_paths, "Eye paths per pixel of the many-light methods")->capture_default_str();
-  app.add_option("--vpls", o.vpls, "Virtual point lights left by light paths; point and directional lights come on top")->capture_default_str();
+  app.add_option("--vpls", o.vpls, "Virtual point lights left by light paths; point and directional lights come on top")
+      ->capture_default_str();
   app.add_option("--threshold", o.threshold, "Largest error bound of a cluster relative to the pixel, 0 to 1")
       ->capture_default_str();
   app.add_option("--max-cut", o.max_cut, "Most clusters in a pixel's cut")->capture_default_str();

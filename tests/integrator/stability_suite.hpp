@@ -343,8 +343,8 @@ TYPED_TEST_P(StabilitySuite, GrazingLightAndView) {
 }
 
 /// Stability case 3: VPLs placed by hand on the shading point and next to it, of every kind, under a clamp and without:
-/// finite, and what lies far away still counts. Caught: S and I, or the room for sums, left out of the test for a finite
-/// product (unoccluded_transfer), which makes the pixel infinite.
+/// finite, and what lies far away still counts. Caught: S and I, or the room for sums, left out of the test for a
+/// finite product (unoccluded_transfer), which makes the pixel infinite.
 TYPED_TEST_P(StabilitySuite, LightsOnTheShadingPoint) {
   using S = typename TypeParam::Scalar;
   SceneBuilder<TypeParam, Lambertian<S>> builder;
@@ -393,9 +393,8 @@ TYPED_TEST_P(StabilitySuite, LightsOnTheShadingPoint) {
 }
 
 REGISTER_TYPED_TEST_SUITE_P(StabilitySuite, PowersOfTwoOfScaleGiveTheSameBits, LightsOnTheShadingPoint,
-                            AnyScaleGivesTheSameImage,
-                            NoAcneFarFromTheOrigin, OneSidedEmitterFromBehind, ThinWallDoesNotLeak,
-                            LightInsideAGlassBox, SunThroughAPane, NoneToThreeLights, SmallestScenes,
-                            DegenerateTrianglesAndZeroNormals, GrazingLightAndView);
+                            AnyScaleGivesTheSameImage, NoAcneFarFromTheOrigin, OneSidedEmitterFromBehind,
+                            ThinWallDoesNotLeak, LightInsideAGlassBox, SunThroughAPane, NoneToThreeLights,
+                            SmallestScenes, DegenerateTrianglesAndZeroNormals, GrazingLightAndView);
 
 }  // namespace manylight::test

@@ -56,6 +56,11 @@ TEST_P(ZTest, PathMatchesThePeer) {
                              << "), mean difference " << metrics::measure(image, reference).signed_difference;
 }
 
+// test_surf_area_light differs by -0.16 % in the mean at 32,000 samples of ours, all of it in the diffuse part of its
+// rough plastic sphere (-0.8 % in 335 pixels, 8 standard errors), and fails beyond 16,000 samples. The peer made that
+// picture with an earlier transmittance of rough coats, 1 minus the singly reflected light: with it the sphere agrees
+// (+0.2 %, 1.7 standard errors), while test_roughplastic_linear, made later, is off by up to 18 % and agrees to 0.05 %
+// with the definition used here.
 INSTANTIATE_TEST_SUITE_P(
     Scenes, ZTest,
     ::testing::Values(

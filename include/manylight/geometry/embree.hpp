@@ -2,7 +2,8 @@
 #pragma once
 
 // Bridge to Embree: include it only where Embree is installed and linked. Tested with 3.13.5; the branches for Embree 4
-// are written by its documentation and untested. Where both are installed, 3 is taken.
+// are written by its documentation and were type-checked against its declarations, but never run. Where both are
+// installed, 3 is taken.
 
 #if __has_include(<embree3/rtcore.h>)
 #include <embree3/rtcore.h>

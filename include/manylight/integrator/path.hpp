@@ -11,6 +11,7 @@
 // Roulette multiplies the throughput only; it needs no place in the weights, which sum to one for any split of the light.
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "manylight/integrator/film.hpp"
@@ -134,7 +135,8 @@ auto PathIntegrator<Scene>::direct(const Hit& hit, const Vec3<S>& wo, Stream& st
 }
 
 /// Sums samples [first, first + count) of every pixel of `window` into `sums` (row by row, W/m^2/sr): call it with
-/// consecutive ranges to refine an image; the split into ranges does not change it.
+/// consecutive ranges to refine an image; the split into ranges does not change it. Throws ParameterError unless the
+/// window lies in the film and `sums` has a place for each of its pixels.
 template <class Scene, Camera C, Sampler Random, Executor Exec, class Progress = NoProgress>
 PathStatistics accumulate_path_samples(const PathIntegrator<Scene>& integrator, const C& camera,
                                        const ReconstructionFilter<typename Scene::Scalar>& filter, const Window& window,
@@ -142,6 +144,9 @@ PathStatistics accumulate_path_samples(const PathIntegrator<Scene>& integrator, 
                                        std::vector<Rgb<double>>& sums, const Exec& executor,
                                        const Progress& progress = {}) {
   using S = typename Scene::Scalar;
+  window.validate(camera.width(), camera.height());
+  require(sums.size() == window.pixel_count(), "number of sums", sums.size(),
+          "one per pixel of the window: " + std::to_string(window.pixel_count()));
   const auto render_tile = [&](const Window& tile) {
     PathStatistics statistics;
     for (std::uint32_t y = tile.y0; y < tile.y1; ++y) {

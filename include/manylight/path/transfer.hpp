@@ -11,7 +11,8 @@ namespace manylight {
 template <std::floating_point S>
 struct Transfer {
   Rgb<S> value{0};
-  bool is_valid = true;  ///< false: too large for a sum of it times S and I to be finite; the value is 0, the caller counts it
+  /// false: not usable, or too large for sums of S w M T D I to be finite; the value is 0, the caller counts it
+  bool is_valid = true;
 };
 
 /// Longest path that counts, in segments.
@@ -37,8 +38,9 @@ template <class Scene, Weighting W>
   const S d_light = max_channel(pair.d);
   const S weight = weighting.weight(sensor.record, PairPatterns<S>{m, pair.sensor_d, pair.t, d_light, light.exact});
   if (!(weight > S(0))) return {};
-  // Next to a surface M T D may overflow. The clamp has then left w = C / inf = 0, which is also what the later vertices
-  // of the eye path reckon with; without a clamp (C = inf, exact lights) the pair is dropped: such pairs have measure 0.
+  // Next to a surface M T D may overflow. The clamp has then left w = C / inf = 0, which is also what the later
+  // vertices of the eye path reckon with; without a clamp (C = inf, exact lights) the pair is dropped: such pairs have
+  // measure 0.
   const Rgb<S> value = (pair.m / m) * (pair.d / d_light) * (pair.t * m * d_light * weight);
   const Rgb<S> with_room = sensor.vertex.strength * value * light.strength * detail::k_room_for_sums<S>;
   if (!is_valid_radiance(value) || !is_finite(with_room)) return {Rgb<S>(0), false};

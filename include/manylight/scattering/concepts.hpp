@@ -63,10 +63,12 @@ concept BoundedMaterial = Material<M> &&
   { m.sup_gloss_beyond(w, theta) } -> std::same_as<typename M::Scalar>;
 };
 
-/// A material may state `static constexpr bool k_isotropic = true`: a rotation of both directions about the normal never
-/// changes `eval`, whatever its parameters. Its vertices then store a normal instead of a frame.
+/// A material may state `static constexpr bool k_isotropic = true`: a rotation of both directions about the normal
+/// never changes `eval`, whatever its parameters. Its vertices then store a normal instead of a frame.
 template <class M>
-inline constexpr bool k_is_isotropic = requires { requires M::k_isotropic; };
+inline constexpr bool k_is_isotropic = requires {
+  requires M::k_isotropic;
+};
 
 /// How strongly a material scatters light that meets `known`, delta lobes included: what a mixture chooses its lobes
 /// by. The material's own `sampling_weight(known)` if it has one, else the largest channel of its albedo.

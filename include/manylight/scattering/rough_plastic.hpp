@@ -17,7 +17,7 @@ namespace manylight {
 template <std::floating_point S>
 struct RoughPlastic {
   using Scalar = S;
-  static constexpr bool k_isotropic = true;  ///< vertices need no tangent
+  static constexpr bool k_isotropic = true;     ///< vertices need no tangent
   const RoughTransmittance<S>* coat = nullptr;  ///< roughness, index and transmittance; never null when used
   Rgb<S> diffuse{S(0.5)};                       ///< reflectance of the base per channel, [0, 1]
   Rgb<S> specular{S(1)};                        ///< factor on the coat's lobe, [0, 1]

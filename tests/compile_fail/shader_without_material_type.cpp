@@ -1,0 +1,9 @@
+// SPDX-License-Identifier: Apache-2.0
+// expect: manylight::Scene: the second argument must model SurfaceShader
+// expect: no type named [^ ]*Material
+#ifndef MANYLIGHT_CORRECT
+#define WITHOUT_MATERIAL_TYPE
+#endif
+#include "surface.hpp"
+
+int main() { return sizeof(manylight::Scene<manylight::Bvh<float>, Surface>) > 0 ? 0 : 1; }
