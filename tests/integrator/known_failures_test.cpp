@@ -198,8 +198,7 @@ TEST(KnownFailures, FewLightsCostNoMoreThanBruteForce) {
 /// the cut must grow by less than two, the square root, at each step from 4 to 256 eye paths in a room of 2000 VPLs.
 /// It hardly grows at all: 272, 336, 360, 386 clusters, and 303, 379, 436, 472 of bidirectional lightcuts. Pinned: less
 /// than twice as large at 256 eye paths as at 4, where the root is 8.
-/// Caught: the criterion asked per sensor (the total divided by their number); gather nodes never chosen for a split
-/// before light nodes are leaves.
+/// Caught: the error allowed divided by the number of sensors.
 TEST(KnownFailures, CutGrowsSlowerThanTheRootOfEyePaths) {
   const auto scene = diffuse_room().build();
   const auto camera = diffuse_room_camera(4);
