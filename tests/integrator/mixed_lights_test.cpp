@@ -113,8 +113,8 @@ Settings mixed_settings(std::size_t vpls, std::uint32_t samples) {
 /// Oracle O-24, and stability case 30 without its motion: at threshold 0 without a cap a cut ends at single pairs.
 /// Asserted: lightcuts equal brute force on the same VPLs and sensors with all kinds of lights at once, through a
 /// pinhole and through a lens, and so do bidirectional lightcuts and theirs; no pair is above its bound. 1e-10: sums of
-/// other order, and products taken over luminances. Caught: cones of normals or lobes of one child only; the distance
-/// of lights at infinity taken from their box of directions; the clamp in the bound of exact lights.
+/// other order, and products taken over luminances. Caught: the cone of normals, or of lobes, of
+/// one child only; the clamp in the bound of exact lights.
 TEST(MixedLights, CutsOfSinglePairsEqualBruteForce) {
   const auto scene = mixed_room();
   for (const double aperture : {0.0, 0.15}) {
