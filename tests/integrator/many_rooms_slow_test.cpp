@@ -75,9 +75,9 @@ TEST(ManyRooms, OneOfAHundredIsVisible) {
 
 /// Stability case 37: a ceiling of a million emissive triangles under a texture in which four texels of 4096 are 10,000
 /// times as bright as the rest. Asserted: memory per light, at most 88 bytes of tables per triangle; virtual lights
-/// fall on the bright texels as often as their share of the flux (binomial, 5 sigma); all bounds hold; the floor's
-/// radiance agrees with the sum over texels (16 runs, see `agrees`). Caught: triangles chosen by area; radiance looked
-/// up at the triangle's own coordinates instead of the texture's.
+/// fall on the bright texels as often as the flux of their triangles says (binomial, 5 sigma: 6e-7); all bounds hold;
+/// the floor's radiance agrees with the sum over texels (16 runs, see `agrees`). Caught: triangles chosen by area;
+/// radiance looked up at the triangle's own coordinates instead of the texture's.
 TEST(ManyRooms, CeilingOfAMillionTexturedTriangles) {
   constexpr std::uint32_t k_quads = 768;  // twelve to a texel: no triangle crosses a border
   constexpr std::uint32_t k_texels = 64;
