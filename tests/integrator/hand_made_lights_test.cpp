@@ -34,8 +34,7 @@ Light reflecting_light(const Vec3<S>& position, const Vec3<S>& ng, S strength) {
 /// Stability case 3: virtual lights at the very point that a pixel sees, or 1e-300 to 1e-3 m above it, facing it.
 /// Asserted for brute force, lightcuts and bidirectional lightcuts: no sample is invalid, no pixel is infinite;
 /// coincident lights add nothing at all; a close one adds no more than the clamp lets through, S C_clamp I; without a
-/// clamp the sum stays finite down to distances of 1e-100 m. Caught: coincident pairs connected (0/0); the overflow of
-/// M T D not replaced by the clamp; the box bound's min with the clamp left out (a bound of infinity times zero).
+/// clamp the sum stays finite down to distances of 1e-100 m. Caught: coincident pairs connected (0/0).
 TEST(HandMadeLights, AtThePointThatIsSeen) {
   Builder builder;
   builder.mesh(parallelogram<S>({0, 0, 0}, {5, 0, 0}, {0, 5, 0}), {Rgb<S>(0.5)});
@@ -119,8 +118,7 @@ TEST(HandMadeLights, RedAndBlueInTheMeanOverPixels) {
 /// Oracle O-30 with cuts: inside a sphere every pair has w = min(1, 4 pi^2 R^2 C_clamp), so that what virtual lights
 /// reflect is scaled by just that; the exact light is not. A cut's estimates do not depend on their representatives
 /// then and must be exact at any threshold, up to rounding. C_clamp grows with the number of VPLs: the factor doubles
-/// with it until it is 1. Caught: the weight computed from T alone; the clamp taken from the cluster's I, not from
-/// I_avg.
+/// with it until it is 1. Caught: D left out of the weight; the clamp set against T I.
 TEST(HandMadeLights, ClampInTheSphereIsOneFactor) {
   const S radius = 1.5;
   Builder builder;
@@ -169,7 +167,7 @@ std::array<Image<S>, 4> exact_images(Lights& lights) {
 
 /// Oracle O-32: every VPL split in two of half its intensity at the same place, C_clamp as it was: no pixel changes, by
 /// brute force and by cuts at threshold 0, with a clamp that binds. 1e-12: sums of other order. Caught: the clamp set
-/// against T I instead of T; coincident lights given one leaf.
+/// against T I instead of T.
 TEST(HandMadeLights, SplitInTwoChangeNothing) {
   auto builder = diffuse_room();
   builder.point_light({-0.5, -0.5, 0.5}, 0.2);

@@ -30,7 +30,7 @@ double corner_form_factor(double c, double depth, double half) {
 /// the scene does show the failure; with it no pixel of any method in any run is above k times the reference;
 /// lightcuts and brute force lose the edge, which is pinned; bidirectional lightcuts and path tracing agree with the
 /// form factor at every probe (16 runs, see `agrees`: 2e-4 per comparison, 12 comparisons; fixed seeds). Caught:
-/// C_clamp a hundred times too large; the second sensor not given what the clamp took (`extend` keeps w_sum).
+/// C_clamp a hundred times too large; the second sensor not given what the clamp took from the first.
 TEST(KnownFailures, SunlitFloorBesideAWall) {
   using S = double;
   SceneBuilder<Bvh<S>, Lambertian<S>> builder;
@@ -166,7 +166,7 @@ TEST(KnownFailures, WeakLightsBesideAStrongOne) {
 /// Stability case 35: with few lights a cut must not cost more than the sum over all pairs, whatever the threshold.
 /// Asserted in pairs evaluated and in shadow rays, which no machine's load can blur: at most 1.1 times brute force's at
 /// 50 to 1000 lights, at the usual threshold and at 0, where the cut ends at single pairs. Caught: both children of a
-/// split evaluated afresh (1.9 times at threshold 0).
+/// split evaluated afresh.
 TEST(KnownFailures, FewLightsCostNoMoreThanBruteForce) {
   const auto scene = diffuse_room().build();
   const auto camera = diffuse_room_camera(3);
@@ -198,8 +198,7 @@ TEST(KnownFailures, FewLightsCostNoMoreThanBruteForce) {
 /// the cut must grow by less than two, the square root, at each step from 4 to 256 eye paths in a room of 2000 VPLs.
 /// It hardly grows at all: 272, 336, 360, 386 clusters, and 303, 379, 436, 472 of bidirectional lightcuts. Pinned: less
 /// than twice as large at 256 eye paths as at 4, where the root is 8.
-/// Caught: the criterion asked per sensor (the total divided by their number); gather nodes never chosen for a split
-/// before light nodes are leaves.
+/// Caught: the error allowed divided by the number of sensors.
 TEST(KnownFailures, CutGrowsSlowerThanTheRootOfEyePaths) {
   const auto scene = diffuse_room().build();
   const auto camera = diffuse_room_camera(4);

@@ -125,7 +125,7 @@ TEST(CutCover, SumOfSizesIsTheProduct) {
 // Stability case 4: sensors inside a box of eight lights on a cube around them, which is where no bound of the distance
 // exists. Asserted: the bound is one (counted by the cut at every evaluation), refinement ends, and it ends at the sum
 // over all pairs; for lights with a clamp, without one, and exact ones, whose bound is infinite until boxes part.
-// Planted bug seen to fail: the distance of boxes taken between their centres' projections, not the gap.
+// Planted bug seen to fail: the distance of boxes taken between their centres.
 TEST(CutCover, SensorsInsideACubeOfLights) {
   const TestScene scene = open_scene();
   test::RandomVertices<S> random(23);
