@@ -49,8 +49,7 @@ Rgb<S> scatter_term(const Node& node, const Vec3<S>& wi, const Vec3<S>& wo) {
 }
 
 // O-17: alpha only normalises the patterns that weights see. Without limits a pair's contribution is the same for any
-// alpha, as S and I carry it too. Planted bugs seen to fail: alpha left out of D; alpha left out of M; m of a limited
-// weighting in place of the full one.
+// alpha, as S and I carry it too. Planted bugs seen to fail: alpha left out of D; alpha left out of M.
 TEST(Generators, AlphaCancelsWhereNothingIsLimited) {
   test::RandomVertices<S> random(18);
   const FullWeighting<S> weighting;

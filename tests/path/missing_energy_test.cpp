@@ -74,7 +74,9 @@ TEST(PathShares, MissingIsOneMinusTheSumOfAllGenerators) {
   Random random{std::mt19937_64(41)};
   int some = 0;
   for (int n = 0; n < 20000; ++n) {
-    const auto [config, path] = draw(random, n);
+    const Draw drawn = draw(random, n);
+    const WeightingConfig<double>& config = drawn.config;
+    const Path& path = drawn.path;
     const bool exact = path.exact_light;
     const bool seen = all_dirac_before(path, path.length());
     const auto hit = [&](double rest) {
@@ -97,7 +99,7 @@ TEST(PathShares, MissingIsOneMinusTheSumOfAllGenerators) {
   EXPECT_GT(some, 10000);
 }
 
-// Planted bugs seen to fail: `last` set by energy-bound segments; the constraint of the vertex after in the name of V;
+// Planted bugs seen to fail: `last` set by energy-bound segments; `first` in every name of V;
 // the hit's constraint not asked.
 TEST(PathShares, EntryIsTheConstraintThatHeldTheEnergyBack) {
   Random random{std::mt19937_64(42)};
