@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A user's own Weighting: virtual lights shine no farther than a given distance, which shows how light gathers in corners.
+// A user's own Weighting: virtual lights shine no farther than a given distance.
 #include <cmath>
 #include <cstdio>
 

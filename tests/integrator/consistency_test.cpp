@@ -5,11 +5,9 @@
 #include <cmath>
 #include <memory>
 
-#include "integrator/builders.hpp"
-#include "manylight/geometry/bvh.hpp"
+#include "integrator/room.hpp"
 #include "manylight/scattering/any_of.hpp"
 #include "manylight/scattering/dielectric.hpp"
-#include "manylight/scattering/lambertian.hpp"
 #include "manylight/scattering/phong.hpp"
 #include "manylight/scattering/ward.hpp"
 
@@ -24,8 +22,6 @@ using Real3 = Vec3<S>;
 using Diffuse = Lambertian<S>;
 using DiffuseScene = Scene<Bvh<S>, UniformShader<Diffuse>>;
 
-Diffuse grey(S albedo) { return {Rgb<S>(albedo)}; }
-
 // A Lambertian scene pays for nothing else: its vertex stores a normal, no tangent, and one colour as material.
 static_assert(k_is_isotropic<Lambertian<float>> && !k_is_isotropic<Ward<float>>);
 static_assert(sizeof(Lambertian<float>) == 12);
@@ -35,24 +31,6 @@ static_assert(sizeof(Vertex<float, Lambertian<float>>) == 84,
 static_assert(sizeof(Vertex<float, Ward<float>>) > sizeof(Vertex<float, Lambertian<float>>));
 static_assert(!UniformShader<Lambertian<float>>::k_may_be_transparent &&
               !UniformShader<Lambertian<float>>::k_may_absorb);
-
-/// Room [-1,1]^3, ceiling light, two walls of different albedo; `ball` is put on the floor.
-template <Material M>
-SceneBuilder<Bvh<S>, M> cornell(const M& ball) {
-  SceneBuilder<Bvh<S>, M> builder;
-  const auto wall = [&](Real3 center, Real3 u, Real3 v, const Rgb<S>& albedo) {
-    builder.mesh(parallelogram<S>(center, u, v), M(Lambertian<S>{albedo}));
-  };
-  wall({0, 0, -1}, {1, 0, 0}, {0, 1, 0}, Rgb<S>(0.7));
-  wall({0, 0, 1}, {0, 1, 0}, {1, 0, 0}, Rgb<S>(0.7));
-  wall({-1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0.6, 0.1, 0.1});
-  wall({1, 0, 0}, {0, 0, 1}, {0, 1, 0}, {0.1, 0.5, 0.1});
-  wall({0, 1, 0}, {0, 0, 1}, {1, 0, 0}, Rgb<S>(0.7));
-  wall({0, -1, 0}, {1, 0, 0}, {0, 0, 1}, Rgb<S>(0.7));
-  builder.emit(builder.mesh(parallelogram<S>({0, 0, 0.98}, {0, 0.4, 0}, {0.4, 0, 0}), M(grey(0.0))), Rgb<S>(10));
-  builder.sphere({{0.3, 0.1, -0.6}, 0.4, false}, ball);
-  return builder;
-}
 
 /// Means of a film over independent renderings, red channel.
 template <class SceneType, Camera C>
@@ -66,11 +44,6 @@ RunningMoments film_means(Method method, const SceneType& scene, const C& camera
     moments.add(film.mean().x);
   }
   return moments;
-}
-
-const PerspectiveCamera<S>& room_camera() {
-  static const auto camera = look_at<S>({0, -0.95, 0}, {0, 1, -0.2}, 70, 12);
-  return camera;
 }
 
 /// Without clamp virtual point lights are unbiased: on the wall opposite the camera, away from corners, every probe

@@ -48,6 +48,36 @@ Rgb<S> scatter_term(const Node& node, const Vec3<S>& wi, const Vec3<S>& wo) {
          std::abs(glm::dot(wo, node.ng));
 }
 
+// O-17: alpha only normalises the patterns that weights see. Without limits a pair's contribution is the same for any
+// alpha, as S and I carry it too. Planted bugs seen to fail: alpha left out of D; alpha left out of M.
+TEST(Generators, AlphaCancelsWhereNothingIsLimited) {
+  test::RandomVertices<S> random(18);
+  const FullWeighting<S> weighting;
+  const std::vector<VertexKind> kinds{VertexKind::surface, VertexKind::area_emitter, VertexKind::point_emitter,
+                                      VertexKind::infinite_emitter};
+  int lit = 0;
+  for (int n = 0; n < 4000; ++n) {
+    Sensor<TestScene, FullWeighting<S>> sensor{random.surface({0, 0, 0}, random.direction(), Gloss::some), {}};
+    V light = random.light(random.point({0, 0, 0}, 2), random.direction(), Gloss::some, kinds);
+    sensor.vertex.strength = random.color(0.1, 1);
+    const auto contribution = [&] {
+      return sensor.vertex.strength * light.strength *
+             unoccluded_transfer<TestScene>(weighting, sensor, light, 3.0, k_unlimited_edges).value;
+    };
+    const Rgb<S> before = contribution();
+    for (V* v : {&sensor.vertex, &light}) {
+      if (v->kind != VertexKind::surface) continue;
+      const S factor = random.log_uniform(0.01, 100);
+      v->alpha *= factor;
+      v->strength *= factor;
+    }
+    const Rgb<S> after = contribution();
+    for (int c = 0; c < 3; ++c) ASSERT_NEAR(after[c], before[c], 1e-12 * before[c]) << "pair " << n;  // rounding
+    lit += is_black(before) ? 0 : 1;
+  }
+  EXPECT_GT(lit, 800);
+}
+
 // Planted bugs seen to fail: |wo.ns| in D; |wi.ng| in M.
 TEST(Generators, AllSplitsOfAPathGiveTheSameValue) {
   test::RandomVertices<S> random(17);

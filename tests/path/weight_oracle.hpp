@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Oracle of the weights: each rule as it is defined, O(k) per weight with the whole history at hand, written here from the
-// definitions [Walter 2012, Eq. 4-10; Kollig and Keller 2004] and sharing no code with the headers.
+// Oracle of the weights: each rule as it is defined, O(k) per weight with the whole history at hand, written here from
+// the definitions [Walter 2012, Eq. 4-10; Kollig and Keller 2004] and sharing no code with the headers.
 
 #include <algorithm>
 #include <cmath>
@@ -118,7 +118,8 @@ inline std::vector<double> stick_breaking_weights(const Path& p, const Weighting
   std::vector<double> w(p.length(), 0.0);
   for (std::size_t j = 1; j < p.length(); ++j) {
     double left = 1;
-    for (std::size_t i = 1; i < j; ++i) left *= connects(p, i) ? 1 - std::min(clamp_of(p, c, i), diffuse_of(p, c, i)) : 1;
+    for (std::size_t i = 1; i < j; ++i)
+      left *= connects(p, i) ? 1 - std::min(clamp_of(p, c, i), diffuse_of(p, c, i)) : 1;
     if (connects(p, j)) w[j] = left * std::min(clamp_of(p, c, j), diffuse_of(p, c, j));
   }
   return w;

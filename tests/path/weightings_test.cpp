@@ -18,8 +18,12 @@ using namespace test;  // NOLINT: the oracle's own names
 /// A weighting with its oracle: weights and the weight of a hit.
 struct Standard {
   using W = StandardWeighting<double>;
-  static std::vector<double> slow(const Path& p, const WeightingConfig<double>& c) { return first_vertex_weights(p, c); }
-  static double slow_hit(const Path& p, const WeightingConfig<double>&) { return all_dirac_before(p, p.length()) ? 1 : 0; }
+  static std::vector<double> slow(const Path& p, const WeightingConfig<double>& c) {
+    return first_vertex_weights(p, c);
+  }
+  static double slow_hit(const Path& p, const WeightingConfig<double>&) {
+    return all_dirac_before(p, p.length()) ? 1 : 0;
+  }
   static constexpr bool k_is_unbiased = false;
 };
 struct Four {
@@ -48,7 +52,8 @@ struct StickBreaking {
   static constexpr bool k_is_unbiased = true;
 };
 
-/// Random configurations and paths: half of them without mirrors, a third ending on an exact light, some without limits.
+/// Random configurations and paths: half of them without mirrors, a third ending on an exact light, some without
+/// limits.
 struct Draw {
   WeightingConfig<double> config;
   Path path;
@@ -67,7 +72,8 @@ using All = ::testing::Types<Standard, Four, Residual, StickBreaking>;
 TYPED_TEST_SUITE(Weightings, All);
 
 // O-18. Planted bugs seen to fail: KolligKeller's `left` without the last factor; its product with the light's pattern
-// in place of the vertex' own; ResidualWeighting with c_m = inf instead of c_v = inf; a hit weight without `only_dirac`.
+// in place of the vertex' own; ResidualWeighting with c_m = inf instead of c_v = inf; a hit weight without
+// `only_dirac`.
 TYPED_TEST(Weightings, ConstantSizeRecordsEqualTheFullRecursion) {
   Random random{std::mt19937_64(31)};
   int partial = 0;
@@ -114,8 +120,8 @@ TYPED_TEST(Weightings, SumToAtMostOneAndToOneWithoutBias) {
   }
 }
 
-// The binding constraint is the one whose removal would let the weight grow, by the definitions of the four. Planted bugs
-// seen to fail: clamp and diffuse limit exchanged; variance asked before energy.
+// The binding constraint is the one whose removal would let the weight grow, by the definitions of the four. Planted
+// bugs seen to fail: clamp and diffuse limit exchanged; variance asked before energy.
 TYPED_TEST(Weightings, BindingConstraintIsTheSmallest) {
   Random random{std::mt19937_64(33)};
   std::array<int, 4> counts{};
@@ -143,7 +149,8 @@ TYPED_TEST(Weightings, BindingConstraintIsTheSmallest) {
         ASSERT_LE(binding == Constraint::clamp ? clamp : diffuse, (binding == Constraint::clamp ? diffuse : clamp));
         ASSERT_LT(w[k], 1 - sum);
       } else {
-        ASSERT_NEAR(binding == Constraint::clamp ? clamp : diffuse, w[k], rounding) << "path " << n << " generator " << k;
+        ASSERT_NEAR(binding == Constraint::clamp ? clamp : diffuse, w[k], rounding)
+            << "path " << n << " generator " << k;
       }
     }
   }
@@ -223,8 +230,8 @@ TYPED_TEST(Weightings, SensorLimitIsNeverExceeded) {
   }
 }
 
-// Limits that are off, and patterns and transits beyond the range of numbers, give 0 or 1 and never NaN. Planted bug seen
-// to fail: at_most_one dividing infinity by infinity.
+// Limits that are off, and patterns and transits beyond the range of numbers, give 0 or 1 and never NaN. Planted bug
+// seen to fail: x < limit, or x <= limit, for !(x > limit).
 TYPED_TEST(Weightings, InfinitiesGiveNumbers) {
   const std::vector<double> values{0.0, 5e-324, 0.3, 1e300, k_inf};
   for (const double c_clamp : {1e-3, k_inf}) {
@@ -256,7 +263,8 @@ TEST(ResidualWeighting, EqualsTheReadingWithTheProduct) {
     const auto [config, path] = draw(random, n);
     const std::vector<double> plain = residual_weights(path, config);
     const std::vector<double> product = residual_weights(path, config, true);
-    for (std::size_t k = 1; k < path.length(); ++k) ASSERT_NEAR(plain[k], product[k], 1e-12) << "path " << n;  // rounding
+    for (std::size_t k = 1; k < path.length(); ++k)
+      ASSERT_NEAR(plain[k], product[k], 1e-12) << "path " << n;  // rounding
   }
 }
 

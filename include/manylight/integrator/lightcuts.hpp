@@ -8,7 +8,7 @@
 //   weighting            sensors                    estimates
 //   StandardWeighting    first ordinary vertex      what instant_radiosity.hpp sums by brute force
 //   FourConstraints      recursive                  bidirectional_lightcuts.hpp
-//   KolligKeller         recursive                  the same without bias
+//   KolligKeller, ResidualWeighting                 the same without bias
 //
 // Departure: a floor of 1 % of L_a under the relative error threshold.
 

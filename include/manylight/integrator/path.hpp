@@ -51,7 +51,21 @@ class PathIntegrator {
 
   /// Estimate of the radiance along `ray`, W/m^2/sr.
   template <SampleStream Stream>
-  [[nodiscard]] Rgb<S> radiance(const Ray<S>& ray, Stream& stream, RayCounts& rays) const;
+  [[nodiscard]] Rgb<S> radiance(const Ray<S>& ray, Stream& stream, RayCounts& rays) const {
+    Sum sum;
+    trace(ray, stream, rays, sum);
+    return sum.radiance;
+  }
+
+  /// The walk behind `radiance`, whose parts go to `visitor` in path order; radiances are already multiplied by the walk's
+  /// throughput and their share, W/m^2/sr, often 0:
+  ///  - `arrive(point)`: the walk has reached its next vertex;
+  ///  - `emission(radiance, point, wo)`: the path that ends on an emitter at that vertex;
+  ///  - `environment(radiance)`: the path that leaves the scene;
+  ///  - `direct(radiance, hit, wo, light, f)`: the path that ends at a light drawn for that vertex, f the BSDF, sr^-1;
+  ///  - `leave(hit, wo, sample)`: the walk goes on from that vertex.
+  template <SampleStream Stream, class Visitor>
+  void trace(const Ray<S>& ray, Stream& stream, RayCounts& rays, Visitor& visitor) const;
 
  private:
   /// Where the last direction was drawn, for the weight of emitters that it hits.
@@ -61,37 +75,49 @@ class PathIntegrator {
     bool is_weighted = false;  ///< false: seen directly or through Dirac vertices, no light was drawn for it
   };
   using Hit = Interaction<S, typename Scene::Material>;
+  struct Sum {
+    Rgb<S> radiance{0};
+    void arrive(const SurfacePoint<S>&) const noexcept {}
+    void emission(const Rgb<S>& part, const SurfacePoint<S>&, const Vec3<S>&) noexcept { radiance += part; }
+    void environment(const Rgb<S>& part) noexcept { radiance += part; }
+    void direct(const Rgb<S>& part, const Hit&, const Vec3<S>&, const DirectSample<S>&, const Rgb<S>&) noexcept {
+      radiance += part;
+    }
+    void leave(const Hit&, const Vec3<S>&, const ScatterSample<S>&) const noexcept {}
+  };
 
   [[nodiscard]] static S share(S own, S other) noexcept { return own / (own + other); }
   [[nodiscard]] Rgb<S> emission(const SurfacePoint<S>& point, const Vec3<S>& wo, const Bounce& bounce) const;
   [[nodiscard]] Rgb<S> environment(const Vec3<S>& direction, const Bounce& bounce) const;
-  template <SampleStream Stream>
-  [[nodiscard]] Rgb<S> direct(const Hit& hit, const Vec3<S>& wo, Stream& stream, RayCounts& rays) const;
+  template <SampleStream Stream, class Visitor>
+  void direct(const Rgb<S>& beta, const Hit& hit, const Vec3<S>& wo, Stream& stream, RayCounts& rays,
+              Visitor& visitor) const;
 
   const Scene& scene_;
   PathConfig config_;
 };
 
 template <class Scene>
-template <SampleStream Stream>
-auto PathIntegrator<Scene>::radiance(const Ray<S>& ray, Stream& stream, RayCounts& rays) const -> Rgb<S> {
-  Rgb<S> sum(0);
+template <SampleStream Stream, class Visitor>
+void PathIntegrator<Scene>::trace(const Ray<S>& ray, Stream& stream, RayCounts& rays, Visitor& visitor) const {
   WalkState<S> walk{ray};
   Bounce bounce;
   for (unsigned edges = 1; edges <= config_.max_edges; ++edges) {
     const std::optional<SurfacePoint<S>> point = scene_.intersect(walk.ray, stream, rays);
-    if (!point) return sum + walk.beta * environment(walk.ray.direction, bounce);
+    if (!point) return visitor.environment(walk.beta * environment(walk.ray.direction, bounce));
     absorb<Scene>(walk, *point);
+    visitor.arrive(*point);
     const Vec3<S> wo = -walk.ray.direction;
-    sum += walk.beta * emission(*point, wo, bounce);
+    visitor.emission(walk.beta * emission(*point, wo, bounce), *point, wo);
     if (edges == config_.max_edges) break;
 
     const Hit hit = scene_.interaction(*point, wo);
-    if (!hit.material.is_delta()) sum += walk.beta * direct(hit, wo, stream, rays);
+    if (!hit.material.is_delta()) direct(walk.beta, hit, wo, stream, rays, visitor);
     const std::optional<ScatterSample<S>> sample = sample_scatter<Scene>(hit, wo, Walk::eye, stream);
     if (!sample) break;
     if (!sample->is_delta) bounce = {point->position, sample->pdf, true};
     else bounce.is_weighted = false;
+    visitor.leave(hit, wo, *sample);
     continue_walk(scene_, walk, hit, *sample);
     if (edges + 1 >= config_.roulette_edges) {
       const S survival = std::min(S(0.95), max_channel(walk.beta));
@@ -99,7 +125,6 @@ auto PathIntegrator<Scene>::radiance(const Ray<S>& ray, Stream& stream, RayCount
       walk.beta /= survival;
     }
   }
-  return sum;
 }
 
 template <class Scene>
@@ -118,20 +143,22 @@ auto PathIntegrator<Scene>::environment(const Vec3<S>& direction, const Bounce& 
 }
 
 template <class Scene>
-template <SampleStream Stream>
-auto PathIntegrator<Scene>::direct(const Hit& hit, const Vec3<S>& wo, Stream& stream, RayCounts& rays) const -> Rgb<S> {
+template <SampleStream Stream, class Visitor>
+void PathIntegrator<Scene>::direct(const Rgb<S>& beta, const Hit& hit, const Vec3<S>& wo, Stream& stream,
+                                   RayCounts& rays, Visitor& visitor) const {
   const S u_select = stream.next();
   const auto light = scene_.emitters().sample_direct(hit.point.position, u_select, stream.next_2d());
-  if (!light || is_black(light->radiance)) return Rgb<S>(0);
+  if (!light || is_black(light->radiance)) return;
   const Vec3<S> wi_local = hit.frame.to_local(light->wi);
   const Rgb<S> f = scatter(hit.material, hit.frame, hit.ng, light->wi, wo);
-  if (is_black(f)) return Rgb<S>(0);
+  if (is_black(f)) return;
   S weight = S(1);
   if (!light->is_delta) weight = share(light->pdf, hit.material.pdf(hit.frame.to_local(wo), wi_local, Walk::eye));
   const Anchor<S> here{hit.point.position, hit.point.error, hit.ng};
   const S visible = light->infinite ? scene_.visibility(here, light->wi, rays)
                                     : scene_.visibility(here, Anchor<S>{light->position, light->error, light->ng}, rays);
-  return f * light->radiance * (std::abs(wi_local.z) * weight * visible / light->pdf);
+  const Rgb<S> arriving = f * light->radiance * (std::abs(wi_local.z) * weight * visible / light->pdf);
+  visitor.direct(beta * arriving, hit, wo, *light, f);
 }
 
 /// Sums samples [first, first + count) of every pixel of `window` into `sums` (row by row, W/m^2/sr): call it with

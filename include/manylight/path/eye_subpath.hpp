@@ -36,8 +36,8 @@ template <std::floating_point S, Material M>
 template <class Scene, class W, SampleStream Stream, class Visitor>
 class EyeSubpath {
   static_assert(Weighting<W>,
-                "manylight::EyeSubpath: the weighting must model Weighting: Scalar, Record, start, extend, extend_delta, weight, "
-                "hit_weight, binding, hit_binding, prune, prune_delta, limit, clamp, light_limit");
+                "manylight::EyeSubpath: the weighting must model Weighting: Scalar, Record, start, extend, extend_delta, "
+                "weight, hit_weight, binding, hit_binding, prune, prune_delta, limit, clamp, light_limit");
 
  public:
   using S = typename Scene::Scalar;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// The weights of bidirectional lightcuts [Walter 2012, Eq. 4-10], and the same without the last constraint. Notation: M_k,
-// D_k patterns of v_k, D_{k+1} pattern of the VPL, T^w the deterministic transit.
+// The weights of bidirectional lightcuts [Walter 2012, Eq. 4-10], and the same without the last constraint. Notation:
+// M_k, D_k patterns of v_k, D_{k+1} pattern of the VPL, T^w the deterministic transit.
 //
 //   symbol          here                symbol             here
 //   C_clamp, C_D    c_clamp, c_d        W_k = sum w_i       w_sum
@@ -23,15 +23,15 @@ class FourConstraints {
   using Scalar = S;
   /// State at v_k before its light-side direction is known (theory 3.5).
   struct Record {
-    S w_sum = S(0);             ///< W: sum of w_i, i <= k-2
-    S q = S(0);                 ///< M_{k-1} T^w_{k-1,k}
-    S k = S(1);                 ///< b_{k-1} P_{k-2}
+    S w_sum = S(0);                  ///< W: sum of w_i, i <= k-2
+    S q = S(0);                      ///< M_{k-1} T^w_{k-1,k}
+    S k = S(1);                      ///< b_{k-1} P_{k-2}
     S gamma_before = k_infinity<S>;  ///< Gamma_{k-1}
-    S gamma = k_infinity<S>;    ///< Gamma_k
-    S p = S(1);                 ///< P_{k-1}
-    S theta = S(0);             ///< Theta_k, rad
-    bool connectable = false;   ///< segment k-1 can be made by connection
-    bool only_dirac = true;     ///< v_1 .. v_{k-1} are all Dirac
+    S gamma = k_infinity<S>;         ///< Gamma_k
+    S p = S(1);                      ///< P_{k-1}
+    S theta = S(0);                  ///< Theta_k, rad
+    bool connectable = false;        ///< segment k-1 can be made by connection
+    bool only_dirac = true;          ///< v_1 .. v_{k-1} are all Dirac
   };
 
   FourConstraints() = default;
@@ -169,8 +169,8 @@ SensorLimit<S> FourConstraints<S>::limit(const Record& record) const noexcept {
 
 /// The four constraints without the last: w = max(0, min(w^E, w^C, w^D)). With EmitterHits::all every path that some
 /// generator can make is shared out in full, hence no bias, but noise wherever eye subpaths are of high variance. The
-/// paper's unbiased variant after [Kollig and Keller 2004] multiplies prod (1 - w_i) in as a fourth constraint, which never
-/// binds next to w^E: the weights are the same (theory 3.9).
+/// paper's unbiased variant after [Kollig and Keller 2004] multiplies prod (1 - w_i) in as a fourth constraint, which
+/// never binds next to w^E: the weights are the same (theory 3.9).
 template <std::floating_point S>
 class ResidualWeighting : public FourConstraints<S> {
  public:

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// The original bias compensation of [Kollig and Keller 2004]: each generator takes the part c_k = min(w^C, w^D) of what the
-// ones before it left,
+// The original bias compensation of [Kollig and Keller 2004]: each generator takes the part c_k = min(w^C, w^D) of what
+// the ones before it left,
 //
 //   w_k = c_k prod_{i<k} (1 - c_i),      sum_{i<=k} w_i = 1 - prod_{i<=k} (1 - c_i),
 //
@@ -51,9 +51,7 @@ class KolligKeller {
   }
   [[nodiscard]] Constraint hit_binding(const Record&, S) const noexcept { return Constraint::energy; }
   /// Nothing is left, or nothing will be since segment k-1 takes all for every D_k <= d_sup.
-  [[nodiscard]] bool prune(const Record& record, S d_sup) const noexcept {
-    return !(left_after(record, d_sup) > S(0));
-  }
+  [[nodiscard]] bool prune(const Record& record, S d_sup) const noexcept { return !(left_after(record, d_sup) > S(0)); }
   [[nodiscard]] bool prune_delta(const Record& record) const noexcept { return !(record.left > S(0)); }
   [[nodiscard]] SensorLimit<S> limit(const Record& record) const noexcept { return {record.left, k_infinity<S>, S(1)}; }
   [[nodiscard]] S clamp() const noexcept { return config_.c_clamp; }

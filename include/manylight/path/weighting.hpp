@@ -11,8 +11,8 @@
 //   ResidualWeighting   four_constraints.hpp  recursive            1 with emitter hits: no bias
 //   KolligKeller        kollig_keller.hpp     recursive            1 with emitter hits: no bias
 //
-// T^w in weights is the deterministic transit 1/d^2, never the sampled transmittance: two generators of one path must see
-// the same weight.
+// T^w in weights is the deterministic transit 1/d^2, never the sampled transmittance: two generators of one path must
+// see the same weight.
 
 #include <algorithm>
 #include <cmath>
@@ -26,10 +26,10 @@ namespace manylight {
 /// What a weight depends on besides the record: scalars are largest channels.
 template <std::floating_point S>
 struct PairPatterns {
-  S m;        ///< M_k towards the VPL, sr^-1
-  S d;        ///< D_k of the sensor itself, sr^-1
-  S t;        ///< T^w, m^-2
-  S d_light;  ///< D_{k+1}, sr^-1
+  S m;                 ///< M_k towards the VPL, sr^-1
+  S d;                 ///< D_k of the sensor itself, sr^-1
+  S t;                 ///< T^w, m^-2
+  S d_light;           ///< D_{k+1}, sr^-1
   bool exact = false;  ///< the VPL is free of generation noise and out of reach of other generators: no clamp
 };
 
