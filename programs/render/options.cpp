@@ -75,6 +75,14 @@ void validate(const Options& o) {
           o.adaptation_luminance, "finite, at least 0");
   require(std::isfinite(o.exposure), "--exposure", o.exposure, "finite");
   if (o.max_depth) require(*o.max_depth == -1 || *o.max_depth >= 1, "--max-depth", *o.max_depth, "-1 or at least 1");
+  if (o.ledger_spp) require_range<std::uint32_t>("--ledger-spp", *o.ledger_spp, 2, 1U << 24U);
+  if (o.ledger_spp) require(o.method != Method::path, "--ledger-spp with method", "path", "a many-light method");
+  if (o.method == Method::path) {
+    for (const char* name : {"cut-size", "missing"}) {
+      require(!o.aovs.contains(name), "--aov with method path", name, "albedo, depth, normal");
+    }
+  }
+  require(!o.aovs.contains("cut-size") || o.method != Method::vpl, "--aov with method vpl", "cut-size", "lightcuts or bdlc");
   if (o.time_limit) {
     require(*o.time_limit > 0 && std::isfinite(*o.time_limit), "--time-limit", *o.time_limit, "above 0 seconds");
     require(o.method == Method::path, "--time-limit with method", "not progressive", "path");
@@ -84,7 +92,7 @@ void validate(const Options& o) {
 }  // namespace
 
 const std::vector<std::string>& aov_names() {
-  static const std::vector<std::string> names{"albedo", "cut-size", "depth", "normal"};
+  static const std::vector<std::string> names{"albedo", "cut-size", "depth", "missing", "normal"};
   return names;
 }
 
@@ -122,7 +130,8 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
   double time_limit = 0;
   int max_depth = 0;
   app.add_option("scene", o.scene, "Scene file, .xml")->required();
-  app.add_option("-m,--method", method, "path (reference), vpl (all pairs), lightcuts (multidimensional), bdlc (bidirectional lightcuts)")
+  app.add_option("-m,--method", method,
+                 "path (reference), vpl (all pairs), lightcuts (multidimensional), bdlc (bidirectional lightcuts)")
       ->check(CLI::IsMember(methods))->capture_default_str();
   app.add_option("-o,--output", o.outputs, "Image to write: .exr, .pfm (linear) or .png; repeatable")->allow_extra_args(false);
   app.add_option("--size", size, "Image size in pixels, WxH [from the file]");
@@ -152,8 +161,11 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
       ->capture_default_str();
   app.add_flag("--hits-after-dirac-only", o.hits_after_dirac_only,
                "Count emitters met by eye paths only when seen directly or through mirrors and glass");
+  app.add_option("--ledger-spp", o.ledger_spp,
+                 "Samples per pixel of the ledger of missing energy [64 with --aov missing]");
   app.add_option("--stats", o.stats, "Write statistics as JSON to this file");
-  app.add_option("--aov", aovs, "Write an auxiliary image, NAME=FILE: albedo, depth (m), normal; repeatable")
+  app.add_option("--aov", aovs,
+                 "Write an auxiliary image, NAME=FILE: albedo, cut-size, depth (m), missing (W/m^2/sr), normal; repeatable")
       ->allow_extra_args(false);
   app.add_option("-D", defines, "Set a $parameter of the scene file, name=value; repeatable")->allow_extra_args(false);
   app.add_option("--exposure", o.exposure, "Stops by which PNG output is brightened")->capture_default_str();
@@ -179,6 +191,7 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
   o.weights = !weights.empty() ? weightings.at(weights) : o.method == Method::bdlc ? Weights::four : Weights::standard;
   set_aovs(o, aovs);
   for (const std::string& define : defines) o.defines.insert(split_assignment("-D", define));
+  if (o.aovs.contains("missing") && !o.ledger_spp) o.ledger_spp = 64;
   if (o.outputs.empty()) o.outputs.emplace_back("render.exr");
   validate(o);
   return o;

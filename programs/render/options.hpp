@@ -39,6 +39,7 @@ struct Options {
   double clamp_scale = 1.0 / 800;    ///< 0: no clamp
   double adaptation_luminance = 0;   ///< 0: estimated
   bool hits_after_dirac_only = false;
+  std::optional<std::uint32_t> ledger_spp;  ///< samples of the ledger of missing energy; none: no ledger
   std::string stats;
   std::map<std::string, std::string> aovs;  ///< name -> file
   std::map<std::string, std::string> defines;

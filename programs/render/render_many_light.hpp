@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <numeric>
+#include <string>
 
 #include "manylight/integrator/bidirectional_lightcuts.hpp"
 #include "manylight/integrator/instant_radiosity.hpp"
+#include "manylight/integrator/ledger.hpp"
 #include "manylight/path/kollig_keller.hpp"
 #include "render/setup.hpp"
 
@@ -81,6 +84,45 @@ class ManyLightJob {
     result_.image = std::move(rendered.image);
     report_pixels(rendered.statistics);
     if (options_.aovs.contains("cut-size")) result_.aovs["cut-size"] = cut_size_image(rendered.statistics.cut_sizes);
+    if (options_.ledger_spp) book_missing(weighting);
+  }
+
+  /// The ledger of missing energy: statistics, and an image where asked for.
+  template <Weighting W>
+  void book_missing(const W& weighting) {
+    const Stopwatch clock;
+    ProgressLine progress("ledger", options_.quiet);
+    LedgerConfig config;
+    config.max_edges = setup_.max_edges;
+    const LedgerIntegrator<SceneType, W> integrator(setup_.scene, weighting, config);
+    const Ledger ledger = estimate_ledger(integrator, setup_.camera, setup_.filter, setup_.window, setup_.sampler, 0,
+                                          *options_.ledger_spp, setup_.executor, std::ref(progress));
+    add_rays(result_, ledger.rays);
+    report_ledger(ledger);
+    result_.statistics["seconds"]["ledger"] = clock.seconds();
+    if (!options_.aovs.contains("missing")) return;
+    Image<float> image(setup_.window.width(), setup_.window.height());
+    for (std::size_t i = 0; i < image.pixels.size(); ++i) image.pixels[i] = Rgb<float>(ledger.missing[i]);
+    result_.aovs["missing"] = std::move(image);
+  }
+
+  void report_ledger(const Ledger& ledger) {
+    const auto entry = [&](const LedgerMean& mean) {
+      const double truth = ledger.truth.luminance > 0 ? ledger.truth.luminance : 1;
+      return nlohmann::json{{"luminance", mean.luminance},
+                            {"standard_error", mean.luminance_error},
+                            {"share", mean.luminance / truth}};
+    };
+    nlohmann::json& json = result_.statistics["missing"];
+    json = {{"samples_per_pixel", *options_.ledger_spp},
+            {"invalid_samples", ledger.invalid},
+            {"truth", entry(ledger.truth)},
+            {"total", entry(ledger.total)}};
+    for (std::size_t e = 0; e < k_ledger_entries; ++e) {
+      std::string key(name(static_cast<LedgerEntry>(e)));
+      std::replace(key.begin(), key.end(), ' ', '_');
+      json["entries"][key] = entry(ledger.entries[e]);
+    }
   }
 
   [[nodiscard]] Image<float> cut_size_image(const std::vector<std::uint32_t>& sizes) const {

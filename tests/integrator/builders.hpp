@@ -208,7 +208,8 @@ template <class SceneType, Camera C, Executor Exec = SerialExecutor>
     const PathIntegrator<SceneType> integrator(scene, PathConfig{settings.max_edges});
     film.pixels.assign(std::size_t{camera.width()} * camera.height(), Rgb<double>(0));
     film.invalid =
-        accumulate_path_samples(integrator, camera, filter, Window::of(camera), sampler, 0, settings.samples, film.pixels, executor)
+        accumulate_path_samples(integrator, camera, filter, Window::of(camera), sampler, 0, settings.samples,
+                                film.pixels, executor)
             .invalid;
     for (Rgb<double>& p : film.pixels) p /= settings.samples;
     return film;

@@ -35,7 +35,7 @@ class RenderProgram : public ScratchTest {
 
 TEST_F(RenderProgram, EveryMethodWritesEveryFormatAndStatistics) {
   const std::string scene = write("floor.xml", floor_scene()).string();
-  for (const std::string method : {"path", "vpl", "bdlc"}) {
+  for (const std::string method : {"path", "vpl", "lightcuts", "bdlc"}) {
     const ProgramRun run = render(scene + " -q -m " + method + " --spp 4 --eye-paths 2 --vpls 200 -o " +
                                   path("a.exr").string() + " -o " + path("a.pfm").string() + " -o " +
                                   path("a.png").string() + " --stats " + path("a.json").string() + " --aov normal=" +
@@ -52,7 +52,7 @@ TEST_F(RenderProgram, EveryMethodWritesEveryFormatAndStatistics) {
     const nlohmann::json json = nlohmann::json::parse(in);
     for (const char* key : {"seconds", "rays", "invalid_samples"}) EXPECT_TRUE(json.contains(key)) << key;
     EXPECT_EQ(json["invalid_samples"], 0);
-    if (method == "bdlc") {
+    if (method == "bdlc" || method == "lightcuts") {
       for (const char* key : {"mean", "median", "percentile_99", "maximum"}) EXPECT_TRUE(json["cut"].contains(key));
       EXPECT_GE(json["vpls"]["bytes_per_vpl"].get<double>(), 1.0);
     }
@@ -63,7 +63,7 @@ TEST_F(RenderProgram, SameSeedSameBitsWhateverTheThreads) {
   const std::string scene = write("floor.xml", floor_scene("<shape type=\"sphere\"><float name=\"radius\" value=\"0.4\"/>"
                                                            "<bsdf type=\"roughplastic\"/></shape>"))
                                 .string();
-  for (const std::string method : {"path", "vpl", "bdlc"}) {
+  for (const std::string method : {"path", "vpl", "lightcuts", "bdlc"}) {
     std::vector<Rgb<float>> first;
     for (const std::string threads : {"1", "2", "7"}) {
       const ProgramRun run = render(scene + " -q --size 40x30 -m " + method + " --spp 2 --eye-paths 2 --vpls 300 --threads " +
@@ -74,6 +74,48 @@ TEST_F(RenderProgram, SameSeedSameBitsWhateverTheThreads) {
       EXPECT_EQ(first, pixels) << method << ", threads " << threads;
     }
   }
+}
+
+// Every pixel's random numbers and lights are those of the whole image. Caught: film_index by the window's width.
+TEST_F(RenderProgram, WindowHasTheBitsOfTheWholeImage) {
+  const std::string scene = write("floor.xml", floor_scene()).string();
+  for (const std::string method : {"path", "vpl", "lightcuts", "bdlc"}) {
+    const std::string call = scene + " -q --size 40x30 -m " + method + " --spp 2 --eye-paths 2 --vpls 300 -o ";
+    ASSERT_EQ(render(call + path("all.pfm").string()).exit_code, 0);
+    ASSERT_EQ(render(call + path("part.pfm").string() + " --window 13,7,31,29").exit_code, 0);
+    const Image<float> all = image_io::read_image(path("all.pfm"));
+    const Image<float> part = image_io::read_image(path("part.pfm"));
+    ASSERT_EQ(part.width, 18U);
+    ASSERT_EQ(part.height, 22U);
+    for (std::uint32_t y = 0; y < part.height; ++y) {
+      for (std::uint32_t x = 0; x < part.width; ++x) EXPECT_EQ(part.at(x, y), all.at(x + 13, y + 7)) << method;
+    }
+  }
+}
+
+// A floor alone, lit by a point: one connection makes all of its light, so that nothing is missing, whatever the weights;
+// what a depth of one edge cuts off is all of it, by `depth`. Caught: truth_edges left at the image's depth.
+TEST_F(RenderProgram, LedgerAndWeights) {
+  const std::string scene = write("floor.xml", floor_scene()).string();
+  for (const std::string weights : {"standard", "four", "residual", "kollig_keller", "full"}) {
+    const ProgramRun run = render(scene + " -q -m lightcuts --weights " + weights + " --eye-paths 4 --vpls 100 -o " +
+                                  path("a.pfm").string() + " --aov missing=" + path("m.pfm").string() + " --aov cut-size=" +
+                                  path("c.pfm").string() + " --ledger-spp 4 --stats " + path("a.json").string());
+    ASSERT_EQ(run.exit_code, 0) << run.output;
+    for (const Rgb<float>& pixel : image_io::read_image(path("m.pfm")).pixels) EXPECT_EQ(pixel, Rgb<float>(0));
+    EXPECT_GE(image_io::read_image(path("c.pfm")).at(4, 3).x, 1.0F);
+    std::ifstream in(path("a.json"));
+    const nlohmann::json json = nlohmann::json::parse(in);
+    EXPECT_EQ(json["missing"]["total"]["luminance"], 0.0) << weights;
+    EXPECT_GT(json["missing"]["truth"]["luminance"].get<double>(), 0.0);
+  }
+  ASSERT_EQ(render(scene + " -q -m bdlc --max-depth 1 --eye-paths 4 --vpls 100 --ledger-spp 4 -o " + path("a.pfm").string() +
+                   " --stats " + path("d.json").string())
+                .exit_code,
+            0);
+  std::ifstream in(path("d.json"));
+  const nlohmann::json json = nlohmann::json::parse(in);
+  EXPECT_NEAR(json["missing"]["entries"]["depth"]["share"].get<double>(), 1.0, 1e-12);  // a quotient of equal sums
 }
 
 TEST_F(RenderProgram, FlagsWinOverTheFile) {
@@ -96,7 +138,14 @@ TEST_F(RenderProgram, RejectsBadCallsInOneLine) {
   expect_rejected(scene + " --threshold 2" + out, "--threshold");
   expect_rejected(scene + " --vpls 0" + out, "--vpls");
   expect_rejected(scene + " --max-depth 0" + out, "--max-depth");
-  expect_rejected(scene + " --aov teapot=x.exr" + out, "albedo, depth, normal");
+  expect_rejected(scene + " --aov teapot=x.exr" + out, "albedo, cut-size, depth, missing, normal");
+  expect_rejected(scene + " -m path --aov cut-size=" + path("c.exr").string() + out, "cut-size");
+  expect_rejected(scene + " -m path --ledger-spp 4" + out, "--ledger-spp");
+  expect_rejected(scene + " --ledger-spp 1" + out, "--ledger-spp");
+  expect_rejected(scene + " --weights heavy" + out, "heavy");
+  expect_rejected(scene + " --window 1,2,3" + out, "--window");
+  expect_rejected(scene + " --window 0,0,9,6" + out, "0,0,9,6");
+  expect_rejected(scene + " --window 4,0,4,6" + out, "4,0,4,6");
   expect_rejected(scene + " -D nothing=1" + out, "nothing");
   expect_rejected(scene + " -o " + path("no_folder/x.exr").string(), "no_folder");
   expect_rejected(scene + " -o " + path("x.tiff").string(), "x.tiff");

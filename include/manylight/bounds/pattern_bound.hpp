@@ -37,7 +37,8 @@ inline constexpr std::array<S, 8> k_profile_angles{S(0),    S(0.01), S(0.025), S
 template <std::floating_point S>
 inline const std::array<S, 8> k_profile_cosines = [] {
   std::array<S, 8> cosines{};
-  for (std::size_t i = 1; i < cosines.size(); ++i) cosines[i] = std::cos(k_profile_angles<S>[i]) * (S(1) - S(2) * std::numeric_limits<S>::epsilon());
+  constexpr S k_down = S(1) - S(2) * std::numeric_limits<S>::epsilon();
+  for (std::size_t i = 1; i < cosines.size(); ++i) cosines[i] = std::cos(k_profile_angles<S>[i]) * k_down;
   cosines[0] = S(1);
   return cosines;
 }();

@@ -25,7 +25,7 @@ struct ManyLightConfig {
   double clamp_scale = 1.0 / 800;          ///< C_clamp = clamp_scale L_a / I_avg; infinity: no clamp
   double c_d = 1, c_v = 1, c_m = 100;      ///< see WeightingConfig, sr^-1
   EmitterHits emitter_hits = EmitterHits::all;
-  std::optional<Window> window;            ///< pixels to render; none: the whole film
+  std::optional<Window> window = std::nullopt;  ///< pixels to render; none: the whole film
 
   /// Throws ParameterError.
   void validate() const {
