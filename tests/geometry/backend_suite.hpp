@@ -25,6 +25,7 @@
 #include "geometry/ray_oracle.hpp"
 #include "geometry/test_meshes.hpp"
 #include "manylight/core/error.hpp"
+#include "manylight/geometry/bvh.hpp"
 #include "manylight/geometry/concepts.hpp"
 #include "manylight/geometry/mesh_builders.hpp"
 #include "manylight/geometry/offset.hpp"
@@ -144,10 +145,11 @@ TYPED_TEST_P(BackendSuite, OneTriangleAndNothing) {
   const TypeParam one(shapes);
   const auto hit = one.closest_hit({{S(0.25), S(0.5), -2}, {0, 0, 4}});
   ASSERT_TRUE(hit.has_value());
-  // Every operation on these numbers is exact.
-  EXPECT_EQ(hit->t, S(0.5));
-  EXPECT_EQ(hit->u, S(0.25));
-  EXPECT_EQ(hit->v, S(0.5));
+  // Every operation on these numbers is exact but Embree's reciprocal, which depends on the processor's vector unit.
+  const S slack = std::is_same_v<TypeParam, Bvh<S>> ? S(0) : S(2) * std::numeric_limits<S>::epsilon();
+  EXPECT_NEAR(hit->t, S(0.5), slack);
+  EXPECT_NEAR(hit->u, S(0.25), slack);
+  EXPECT_NEAR(hit->v, S(0.5), slack);
   EXPECT_FALSE(one.any_hit({{S(0.75), S(0.5), -2}, {0, 0, 4}}));
   EXPECT_FALSE(one.any_hit({{S(0.25), S(0.5), -2}, {0, 0, 4}, S(0), S(0.499)}));
   EXPECT_FALSE(one.any_hit({{S(0.25), S(0.5), -2}, {0, 0, 4}, S(0.501), S(2)}));

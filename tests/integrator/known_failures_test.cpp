@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <iostream>
@@ -107,7 +108,7 @@ TEST(KnownFailures, PitchDarkPixels) {
   settings.max_cut = 1000;
   SameLights lights(scene, camera, settings);
   EXPECT_TRUE(lights.side.is_adaptation_fallback);
-  EXPECT_EQ(lights.side.lights.vpls.size(), 10000u);
+  EXPECT_GE(lights.side.lights.vpls.size(), 10000u);
   for (const Method method : k_methods) {
     for (const auto& pixel : render(method, scene, camera, settings).pixels)
       EXPECT_EQ(max_channel(pixel), 0) << name(method);
@@ -146,7 +147,8 @@ TEST(KnownFailures, WeakLightsBesideAStrongOne) {
   settings.samples = 1;
   settings.vpls = 1;
   SameLights lights(scene, camera, settings);
-  EXPECT_EQ(lights.side.lights.vpls.size(), 100'001u);
+  const auto& vpls = lights.side.lights.vpls;
+  EXPECT_EQ(std::count_if(vpls.begin(), vpls.end(), [](const auto& v) { return v.exact; }), 100'001);
   const auto exact = lights.all_pairs();
   const auto visible = static_cast<double>(exact.image.pixels[1].x);
   EXPECT_NEAR(visible, 0.5 * 1000 / k_pi<double> * 5 / std::pow(50, 1.5), 0.01 * visible);  // the weak ones' part

@@ -148,7 +148,7 @@ TEST(ManyRooms, CeilingOfAMillionTexturedTriangles) {
     for (std::size_t i = 0; i < exact.size(); ++i) moments[i].add(static_cast<double>(image.image.pixels[i].x));
     if (settings.seed == 1) {
       const LightTree<SceneType> tree(lights.side.lights.vpls, SerialExecutor{});
-      std::cout << tree.bytes() / tree.vpl_count() << " bytes per virtual light, mean cut " << mean_cut(image) << '\n';
+      std::cout << tree.bytes() / tree.vpls().size() << " bytes per virtual light, mean cut " << mean_cut(image) << '\n';
     }
   }
   // Triangles are chosen by nine tenths of their own radiance and a tenth of the texture's mean, see

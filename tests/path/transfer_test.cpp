@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "manylight/path/four_constraints.hpp"
 #include "manylight/path/transfer.hpp"
 #include "support/random_vertices.hpp"
 
