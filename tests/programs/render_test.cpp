@@ -76,7 +76,7 @@ TEST_F(RenderProgram, SameSeedSameBitsWhateverTheThreads) {
   }
 }
 
-// Every pixel's random numbers and lights are those of the whole image. Caught: film_index by the window's width.
+// Every pixel's random numbers and lights are those of the whole image.
 TEST_F(RenderProgram, WindowHasTheBitsOfTheWholeImage) {
   const std::string scene = write("floor.xml", floor_scene()).string();
   for (const std::string method : {"path", "vpl", "lightcuts", "bdlc"}) {
@@ -94,7 +94,7 @@ TEST_F(RenderProgram, WindowHasTheBitsOfTheWholeImage) {
 }
 
 // A floor alone, lit by a point: one connection makes all of its light, so that nothing is missing, whatever the weights;
-// what a depth of one edge cuts off is all of it, by `depth`. Caught: truth_edges left at the image's depth.
+// what a depth of one edge cuts off is all of it, by `depth`.
 TEST_F(RenderProgram, LedgerAndWeights) {
   const std::string scene = write("floor.xml", floor_scene()).string();
   for (const std::string weights : {"standard", "four", "residual", "kollig_keller", "full"}) {
