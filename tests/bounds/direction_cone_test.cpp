@@ -223,6 +223,46 @@ TYPED_TEST(Boxes, DistanceAndDirectionsHoldForSampledPairs) {
   EXPECT_GT(narrow, 500);  // the test saw cones, not only whole spheres
 }
 
+// O-28, cosines. Planted bugs seen to fail: a negative z over the shortest vector instead of the longest; half extents times
+// signed components of the axis; the opposite box with its centre left in place.
+TYPED_TEST(Boxes, CosineBoundHoldsForSampledPairs) {
+  using S = TypeParam;
+  int below_one = 0;
+  int negative = 0;
+  for (int i = 0; i < 3000; ++i) {
+    Box<S> vectors = difference(random_box<S>(*this), random_box<S>(*this));
+    if (i % 3 == 0) {  // flat, as between two pieces of wall, and moved off 0
+      vectors.lo[i % 9 / 3] = vectors.hi[i % 9 / 3] = static_cast<S>(this->uniform() - Wide(0.5));
+    }
+    const BoxDirections<S> box(vectors);
+    const DirectionCone<S> axes = this->cone(this->direction(), i % 2 == 0 ? Wide(0) : this->half_angle());
+    const S bound = max_cosine(axes, box);
+    const S opposite = max_cosine(axes, -box);
+    below_one += bound < S(1) ? 1 : 0;
+    negative += bound < S(0) ? 1 : 0;
+    for (int k = 0; k < 60; ++k) {
+      const Vec3<S> p = point_of(*this, vectors);
+      if (glm::length(WideVec(p)) == 0) continue;
+      const Wide cosine = glm::dot(this->inside(axes), glm::normalize(WideVec(p)));
+      ASSERT_GE(Wide(bound), cosine);
+      ASSERT_GE(Wide(opposite), -cosine);
+    }
+  }
+  EXPECT_GT(below_one, 500);
+  EXPECT_GT(negative, 300);
+}
+
+// Two pieces of wall one metre across, back to back a millimetre apart: no light passes, whatever cone the box spans.
+TYPED_TEST(Boxes, FlatBoxesBehindEachOtherSeeNothing) {
+  using S = TypeParam;
+  const Box<S> inside{Vec3<S>(0, 0, 0), Vec3<S>(0, 1, 1)};
+  const Box<S> outside{Vec3<S>(S(-0.001), 0, 0), Vec3<S>(S(-0.001), 1, 1)};
+  const Box<S> vectors = difference(inside, outside);
+  EXPECT_TRUE(directions(vectors).is_full());
+  EXPECT_LT(max_cosine(DirectionCone<S>::of({1, 0, 0}), BoxDirections<S>(vectors)), S(0));
+  EXPECT_GT(max_cosine(DirectionCone<S>::of({-1, 0, 0}), BoxDirections<S>(vectors)), S(0.9));
+}
+
 TYPED_TEST(Boxes, PointsGiveExactDistanceAndASingleDirection) {
   using S = TypeParam;
   Box<S> a, b;

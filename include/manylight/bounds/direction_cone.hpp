@@ -18,6 +18,7 @@ struct DirectionCone {
   S sin_half = S(0);
 
   [[nodiscard]] static DirectionCone of(const Vec3<S>& direction) noexcept { return {direction, S(1), S(0)}; }
+  [[nodiscard]] DirectionCone operator-() const noexcept { return {-axis, cos_half, sin_half}; }
   [[nodiscard]] bool is_full() const noexcept { return cos_half <= S(-1); }
   [[nodiscard]] S half_angle() const noexcept { return std::atan2(sin_half, cos_half); }
 };

@@ -296,11 +296,11 @@ template <class Scene, class W>
 typename Scene::Scalar CutSum<Scene, W>::upper_bound(const GatherNode<S>& gather,
                                                      const LightNode<S>& light) const noexcept {
   const Box<S> vectors = light.is_infinite ? light.box : difference(gather.box, light.box);
-  const DirectionCone<S> to_light = directions(vectors);
+  const BoxDirections<S> to_light(vectors);
   const S m = sup_sensor_pattern(gather, to_light);
   if (!(m > S(0))) return S(0);
   const S limit = weighting_.light_limit();
-  const S d = sup_light_pattern(light, {-to_light.axis, to_light.cos_half, to_light.sin_half}, limit);
+  const S d = sup_light_pattern(light, -to_light, limit);
   if (!(d > S(0))) return S(0);
   const S squared = light.is_infinite ? sqr(scene_.emitters().scene_radius()) : min_squared_length(vectors);
   const S weighted_d = d < limit ? d * gather.remaining : limit;

@@ -33,9 +33,9 @@ struct GatherNode {
   bool has_both_sides = false;  ///< light from below the shading normal may be scattered
 };
 
-/// Upper bound of the weighted pattern over the cluster for directions `to_light`.
-template <std::floating_point S>
-[[nodiscard]] inline S sup_sensor_pattern(const GatherNode<S>& node, const DirectionCone<S>& to_light) noexcept {
+/// Upper bound of the weighted pattern over the cluster for the directions `to_light`, a DirectionCone or BoxDirections.
+template <std::floating_point S, class Directions>
+[[nodiscard]] inline S sup_sensor_pattern(const GatherNode<S>& node, const Directions& to_light) noexcept {
   const S cosine = max_cosine(node.normals, to_light);
   if (cosine <= S(0) && !node.has_both_sides) return S(0);
   S bound = node.diffuse * std::max(S(0), cosine) * k_inv_pi<S>;

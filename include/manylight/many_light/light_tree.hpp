@@ -66,15 +66,14 @@ void set_leaf_pattern(LightNode<S>& node, const Vertex<S, M>& v) noexcept {
   }
 }
 
-/// Upper bound of min(D, limit) over the cluster for directions `from_light` (unit, away from the VPLs).
-template <std::floating_point S>
-[[nodiscard]] inline S sup_light_pattern(const LightNode<S>& node, const DirectionCone<S>& from_light,
-                                         S limit) noexcept {
+/// Upper bound of min(D, limit) over the cluster for the directions `from_light` (away from the VPLs), a DirectionCone or
+/// BoxDirections.
+template <std::floating_point S, class Directions>
+[[nodiscard]] inline S sup_light_pattern(const LightNode<S>& node, const Directions& from_light, S limit) noexcept {
   S cosine = S(1);
   if (node.diffuse > S(0) || node.gloss == k_infinity<S>) {
     cosine = max_cosine(node.normals, from_light);
-    if (node.is_two_sided)
-      cosine = std::max(cosine, max_cosine(node.normals, {-from_light.axis, from_light.cos_half, from_light.sin_half}));
+    if (node.is_two_sided) cosine = std::max(cosine, max_cosine(node.normals, -from_light));
     if (cosine <= S(0) && !(node.gloss < k_infinity<S> && node.gloss > S(0))) return S(0);
   }
   return std::min(limit, node.diffuse * std::max(S(0), cosine) * k_inv_pi<S> + node.gloss);
