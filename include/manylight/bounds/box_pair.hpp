@@ -48,13 +48,11 @@ class BoxDirections {
       : center_((vectors.lo + vectors.hi) * S(0.5)),
         half_((vectors.hi - vectors.lo) * S(0.5)),
         rounding_(S(16) * std::numeric_limits<S>::epsilon() *
-                  (glm::dot(glm::abs(center_), Vec3<S>(1)) + glm::dot(half_, Vec3<S>(1)))),
-        cone_(directions(vectors)) {}
+                  (glm::dot(glm::abs(center_), Vec3<S>(1)) + glm::dot(half_, Vec3<S>(1)))) {}
 
   [[nodiscard]] BoxDirections operator-() const noexcept {
     BoxDirections opposite = *this;
     opposite.center_ = -center_;
-    opposite.cone_ = -cone_;
     return opposite;
   }
 
@@ -67,7 +65,7 @@ class BoxDirections {
     const S cosine = box.max_cosine_with(axes.axis) + rounding;  // before the sine, which is steep next to -1
     if (cosine >= axes.cos_half) return S(1);
     const S sine = std::sqrt(std::max(S(0), S(1) - sqr(cosine)));
-    return std::min(cosine * axes.cos_half + sine * axes.sin_half + rounding, max_cosine(axes, box.cone_));
+    return std::min(S(1), cosine * axes.cos_half + sine * axes.sin_half + rounding);
   }
 
  private:
@@ -84,10 +82,9 @@ class BoxDirections {
     return std::max(S(0), std::abs(glm::dot(center_, axis)) - glm::dot(half_, glm::abs(axis)) - rounding_);
   }
 
-  Vec3<S> center_;         ///< of the box, m
-  Vec3<S> half_;           ///< half its extent, m
-  S rounding_;             ///< bound of the rounding of a component in any frame, m
-  DirectionCone<S> cone_;  ///< around all of them: tighter where the frame is oblique to the box
+  Vec3<S> center_;  ///< of the box, m
+  Vec3<S> half_;    ///< half its extent, m
+  S rounding_;      ///< bound of the rounding of a component in any frame, m
 };
 
 }  // namespace manylight

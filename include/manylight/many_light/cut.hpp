@@ -6,19 +6,13 @@
 // split until no bound exceeds a fraction of the pixel's total.
 //
 //   symbol        here                      symbol        here
-//   S_C, I_L      GatherNode, LightNode     UB(C, L)      upper_bound
+//   S_C, I_L      GatherNode, LightNode     UB(C, L)      pair_bound
 //   s*, l*        Cluster::sensor, vpl      eps, floor    CutConfig
-//
-//   UB = min( (w M)_ub  T_ub  D_ub , C_clamp )   with weights folded in as in the theory sheet, section 6.5.
 //
 // Departure: the paper keeps one representative per gather node. Then all light clusters that meet an unsplit gather node
 // see the same sensor, and their errors, each below the threshold, add up with one sign: pixels in the corner of three
 // walls came out at a third of their value. Here every new cluster pair draws its own sensor; a split still hands the
 // parent's pair to exactly one child, so that it costs one new evaluation.
-//
-// Error of a cluster, as luminance Y of S_C I_L UB. The estimate has the representatives' colours and the sum's luminances,
-// so that it may exceed Y(S_C I_L) UB: with sigma = max channel / Y of a colour, Y(s i) <= min(sigma_s, sigma_i) Y(s) Y(i).
-// The larger of both bounds estimate and truth, hence their difference.
 //
 // Work goes by small batches of the worst clusters: their nodes, VPLs and shadow rays are independent of each other, so
 // that memory is asked for ahead and rays are traced together. A batch costs at most its size in splits too many.
@@ -27,10 +21,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "manylight/bounds/box_pair.hpp"
 #include "manylight/core/error.hpp"
 #include "manylight/many_light/gather_tree.hpp"
 #include "manylight/many_light/light_tree.hpp"
+#include "manylight/many_light/pair_bound.hpp"
 #include "manylight/many_light/pair_sum.hpp"
 
 namespace manylight {
@@ -60,7 +54,12 @@ class CutSum {
 
   CutSum(const Scene& scene, const W& weighting, const LightTree<Scene>& lights, unsigned max_edges,
          const CutConfig& config)
-      : scene_(scene), weighting_(weighting), lights_(lights), max_edges_(max_edges), config_(config) {
+      : scene_(scene),
+        weighting_(weighting),
+        lights_(lights),
+        limits_{weighting.light_limit(), weighting.clamp(), scene.emitters().scene_radius()},
+        max_edges_(max_edges),
+        config_(config) {
     config.validate();
   }
 
@@ -94,6 +93,7 @@ class CutSum {
   struct Pending {
     std::uint32_t cluster;
     S bound;
+    double u;  ///< picks l*
   };
 
   [[nodiscard]] static Rgb<double> estimate(const Cluster& c) noexcept {
@@ -101,10 +101,9 @@ class CutSum {
   }
   [[nodiscard]] std::size_t cut_size() const noexcept { return heap_.size() + settled_count_; }
 
-  [[nodiscard]] S upper_bound(const GatherNode<S>& gather, const LightNode<S>& light) const noexcept;
-  [[nodiscard]] bool splits_gather(const GatherNode<S>& gather, const LightNode<S>& light) const noexcept;
-  /// Bound of |estimate - truth|, luminance; 0 for a pair of leaves.
-  [[nodiscard]] static S error(const GatherNode<S>& gather, const LightNode<S>& light, S scale, S bound) noexcept;
+  [[nodiscard]] S upper_bound(const GatherNode<S>& gather, const LightNode<S>& light) const noexcept {
+    return pair_bound(gather, light, limits_);
+  }
 
   void start(const std::vector<Sensor<Scene, W>>& sensors, const Rgb<double>& known, std::uint64_t key);
   [[nodiscard]] bool take_worst();
@@ -118,6 +117,7 @@ class CutSum {
   const Scene& scene_;
   const W& weighting_;
   const LightTree<Scene>& lights_;
+  PairLimits<S> limits_;
   unsigned max_edges_;
   CutConfig config_;
 
@@ -224,7 +224,7 @@ void CutSum<Scene, W>::inherit(std::uint32_t cluster, std::uint32_t gather, std:
   total_ += estimate(c);
   const GatherNode<S>& g = gather_.node(gather);
   const LightNode<S>& l = lights_.node(light);
-  place(cluster, g.is_leaf && l.is_leaf ? S(0) : error(g, l, c.scale, upper_bound(g, l)));
+  place(cluster, g.is_leaf && l.is_leaf ? S(0) : pair_error(g, l, c.scale, upper_bound(g, l)));
 }
 
 template <class Scene, class W>
@@ -242,15 +242,20 @@ void CutSum<Scene, W>::open(std::uint32_t gather, std::uint32_t light) {
   c.light = light;
   c.scale = luminance(g.strength) * luminance(l.intensity);
   c.sensor = gather_.representative(gather, to_unit_interval<double>(static_cast<std::uint32_t>(random >> 32)));
-  c.vpl = lights_.representative(light, to_unit_interval<double>(static_cast<std::uint32_t>(random)));
-  lights_.prefetch_vpl(c.vpl);
-  pending_.push_back({static_cast<std::uint32_t>(clusters_.size()), bound});
+  const auto u = to_unit_interval<double>(static_cast<std::uint32_t>(random));
+  lights_.prefetch_representative(light, u);
+  pending_.push_back({static_cast<std::uint32_t>(clusters_.size()), bound, u});
   clusters_.push_back(c);
 }
 
-/// Evaluates the representatives of all new clusters, with one batch of shadow rays, and puts them into the cut.
+/// Draws and evaluates the representatives of all new clusters, with one batch of shadow rays, and puts them into the cut.
 template <class Scene, class W>
 void CutSum<Scene, W>::evaluate_pending() {
+  for (const Pending& pending : pending_) {
+    Cluster& c = clusters_[pending.cluster];
+    c.vpl = lights_.representative(c.light, pending.u);
+    lights_.prefetch_vpl(c.vpl);
+  }
   rays_.clear();
   for (const Pending& pending : pending_) {
     Cluster& c = clusters_[pending.cluster];
@@ -275,7 +280,7 @@ void CutSum<Scene, W>::evaluate_pending() {
       c.unit *= visible_[ray++];
       total_ += estimate(c);
     }
-    place(pending.cluster, error(gather_.node(c.gather), lights_.node(c.light), c.scale, pending.bound));
+    place(pending.cluster, pair_error(gather_.node(c.gather), lights_.node(c.light), c.scale, pending.bound));
   }
   pending_.clear();
 }
@@ -289,44 +294,6 @@ void CutSum<Scene, W>::place(std::uint32_t cluster, S error) {
     ++settled_count_;
     settled_ += estimate(clusters_[cluster]);
   }
-}
-
-/// Bound of w M T D over the pair, sr^-2 m^-2 [theory 6.2, 6.5].
-template <class Scene, class W>
-typename Scene::Scalar CutSum<Scene, W>::upper_bound(const GatherNode<S>& gather,
-                                                     const LightNode<S>& light) const noexcept {
-  const Box<S> vectors = light.is_infinite ? light.box : difference(gather.box, light.box);
-  const BoxDirections<S> to_light(vectors);
-  const S m = sup_sensor_pattern(gather, to_light);
-  if (!(m > S(0))) return S(0);
-  const S limit = weighting_.light_limit();
-  const S d = sup_light_pattern(light, -to_light, limit);
-  if (!(d > S(0))) return S(0);
-  const S squared = light.is_infinite ? sqr(scene_.emitters().scene_radius()) : min_squared_length(vectors);
-  const S weighted_d = d < limit ? d * gather.remaining : limit;
-  const S bound = squared > S(0) ? m * weighted_d / squared : k_infinity<S>;
-  const S rounding = S(1) + S(64) * std::numeric_limits<S>::epsilon();
-  return light.is_exact ? bound * rounding : std::min(bound * rounding, weighting_.clamp());
-}
-
-/// Splits the side whose size, or spread of normals seen from the other side's distance, is larger [theory 5.4].
-template <class Scene, class W>
-bool CutSum<Scene, W>::splits_gather(const GatherNode<S>& gather, const LightNode<S>& light) const noexcept {
-  if (gather.is_leaf) return false;
-  if (light.is_leaf) return true;
-  if (light.is_infinite) return S(2) * spread(gather.normals) > light.box.diagonal();
-  const S distance = glm::length(gather.box.center() - light.box.center());
-  const S gather_size = gather.box.diagonal() + distance * spread(gather.normals);
-  const S light_size = light.box.diagonal() + distance * spread(light.normals) * S(0.5);
-  return gather_size > light_size;
-}
-
-template <class Scene, class W>
-typename Scene::Scalar CutSum<Scene, W>::error(const GatherNode<S>& gather, const LightNode<S>& light, S scale,
-                                               S bound) noexcept {
-  if (gather.is_leaf && light.is_leaf) return S(0);
-  const S of_estimate = std::min(gather.saturation, light.saturation) * scale;
-  return std::max(luminance(gather.strength * light.intensity), of_estimate) * bound;
 }
 
 }  // namespace manylight

@@ -8,11 +8,12 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <numeric>
+#include <span>
 #include <vector>
 
 #include "manylight/bounds/direction_cone.hpp"
 #include "manylight/bounds/pattern_bound.hpp"
+#include "manylight/core/huge_pages.hpp"
 #include "manylight/core/prefetch.hpp"
 #include "manylight/many_light/representatives.hpp"
 #include "manylight/many_light/vpl_set.hpp"
@@ -92,7 +93,7 @@ class LightTree {
   [[nodiscard]] const std::vector<std::uint32_t>& roots() const noexcept { return roots_; }
   [[nodiscard]] const LightNode<S>& node(std::uint32_t i) const noexcept { return nodes_[i]; }
   /// All VPLs, in leaf order.
-  [[nodiscard]] const std::vector<VertexOf<Scene>>& vpls() const noexcept { return vpls_; }
+  [[nodiscard]] std::span<const VertexOf<Scene>> vpls() const noexcept { return vpls_; }
   [[nodiscard]] std::size_t bytes() const noexcept {
     return nodes_.size() * sizeof(LightNode<S>) + vpls_.size() * sizeof(VertexOf<Scene>) + representatives_.bytes();
   }
@@ -105,6 +106,9 @@ class LightTree {
   [[nodiscard]] std::uint32_t representative(std::uint32_t i, double u) const noexcept {
     return representatives_.pick(nodes_[i].leaves, u);
   }
+  void prefetch_representative(std::uint32_t i, double u) const noexcept {
+    representatives_.prefetch_pick(nodes_[i].leaves, u);
+  }
   /// The child of inner node `i` that keeps its parent's representative.
   [[nodiscard]] std::uint32_t inheriting_child(std::uint32_t i, std::uint32_t leaf) const noexcept {
     const std::uint32_t child = nodes_[i].child;
@@ -115,8 +119,8 @@ class LightTree {
   void set_leaf(LightNode<S>& node, std::uint32_t leaf) const noexcept;
   void combine(LightNode<S>& parent) const noexcept;
 
-  std::vector<VertexOf<Scene>> vpls_;
-  std::vector<LightNode<S>> nodes_;
+  LargeVector<VertexOf<Scene>> vpls_;
+  LargeVector<LightNode<S>> nodes_;
   std::vector<std::uint32_t> roots_;
   Representatives<S> representatives_;
 };

@@ -10,6 +10,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "manylight/core/huge_pages.hpp"
+#include "manylight/core/prefetch.hpp"
 #include "manylight/many_light/cluster_split.hpp"
 
 namespace manylight {
@@ -38,13 +40,22 @@ class Representatives {
   [[nodiscard]] std::uint32_t pick(const LeafRange& range, double u) const noexcept {
     const double first = sums_[range.begin];
     const double total = sums_[range.end] - first;
-    const auto guess =
-        std::min(range.end - 1, range.begin + static_cast<std::uint32_t>(u * static_cast<double>(range.end - range.begin)));
+    const std::uint32_t guess = first_guess(range, u);
     if (!(total > 0)) return guess;
     return bracketed(range, guess, first + u * total);
   }
+  /// Asks for the memory that `pick` will read.
+  void prefetch_pick(const LeafRange& range, double u) const noexcept {
+    prefetch(&sums_[range.begin], sizeof(double));
+    prefetch(&sums_[range.end], sizeof(double));
+    prefetch(&sums_[first_guess(range, u)], 2 * sizeof(double));
+  }
 
  private:
+  [[nodiscard]] static std::uint32_t first_guess(const LeafRange& range, double u) noexcept {
+    return std::min(range.end - 1,
+                    range.begin + static_cast<std::uint32_t>(u * static_cast<double>(range.end - range.begin)));
+  }
   /// The last leaf whose sum before it is at most `target` and which has a weight; gallops from `guess`.
   [[nodiscard]] std::uint32_t bracketed(const LeafRange& range, std::uint32_t guess, double target) const noexcept {
     std::uint32_t lo = guess;
@@ -68,7 +79,7 @@ class Representatives {
     return leaf;
   }
 
-  std::vector<double> sums_{0.0};  ///< of the weights before each leaf; one more at the end
+  LargeVector<double> sums_ = LargeVector<double>(1, 0.0);  ///< of the weights before each leaf; one more at the end
 };
 
 }  // namespace manylight
