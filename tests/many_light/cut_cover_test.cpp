@@ -90,8 +90,8 @@ TEST(CutCover, EveryPairOnce) {
 }
 
 // O-26 at full size: 64 sensors, 500 lights of random strengths, exact ones among them, and every threshold: the sum is
-// that of all pairs up to rounding of 32,000 terms. Planted bugs seen to fail: one settled cluster of thousands left out
-// of the sum; the heir of a split that keeps its parent's size.
+// that of all pairs up to rounding of 32,000 terms. Planted bugs seen to fail: one settled cluster of thousands left
+// out of the sum; the heir of a split that keeps its parent's size.
 TEST(CutCover, SumOfSizesIsTheProduct) {
   const TestScene scene = open_scene();
   const Weights weighting;
@@ -175,11 +175,11 @@ TEST(CutCover, SensorsInsideACubeOfLights) {
   EXPECT_GT(evaluated, 100u);
 }
 
-// Which side of a pair to split: many sensors along 4 m, as a wide pixel or lens sees them, under 64 lights within 1 cm,
-// and the reverse, 0.1 m apart. The compact side need not be split, so that a cut at 2 % has a few clusters per part of
-// the wide one; a rule that splits the wrong side first takes that to pieces for each of them. Measured: 108 and 92
-// clusters for 4096 pairs; about twice that is allowed. Planted bugs seen to fail, with 512 clusters each: the light
-// split wherever it can be; the sensors split wherever they can be.
+// Which side of a pair to split: many sensors along 4 m, as a wide pixel or lens sees them, under 64 lights within 1
+// cm, and the reverse, 0.1 m apart. The compact side need not be split, so that a cut at 2 % has a few clusters per
+// part of the wide one; a rule that splits the wrong side first takes that to pieces for each of them. Measured: 108
+// and 92 clusters for 4096 pairs; about twice that is allowed. Planted bugs seen to fail, with 512 clusters each: the
+// light split wherever it can be; the sensors split wherever they can be.
 TEST(CutCover, TheWideSideIsSplit) {
   const TestScene scene = open_scene();
   const Weights weighting;
@@ -207,9 +207,9 @@ TEST(CutCover, TheWideSideIsSplit) {
 }
 
 // The transit of lights at infinity is 1 / R^2 of the scene's radius, and so is its bound. Scenes of 2^-8 to 2^8 times
-// the size, with intensities times the square, are the same to the bit: the same sums, cuts and bounds, and no pair above
-// its bound. Planted bug seen to fail: the squared length of the box of directions for R^2 (pairs above their bound in
-// the small scenes, cuts of single pairs in the large ones).
+// the size, with intensities times the square, are the same to the bit: the same sums, cuts and bounds, and no pair
+// above its bound. Planted bug seen to fail: the squared length of the box of directions for R^2 (pairs above their
+// bound in the small scenes, cuts of single pairs in the large ones).
 TEST(CutCover, LightsAtInfinityAreBoundedByTheScenesRadius) {
   const Weights weighting;
   PairSumResult first;
