@@ -6,7 +6,9 @@
 #include <memory>
 
 #include "integrator/room.hpp"
+#include "manylight/path/four_constraints.hpp"
 #include "manylight/scattering/any_of.hpp"
+#include "manylight/scattering/conductor.hpp"
 #include "manylight/scattering/dielectric.hpp"
 #include "manylight/scattering/phong.hpp"
 #include "manylight/scattering/ward.hpp"
@@ -99,6 +101,43 @@ TEST(Consistency, LightcutsOfAGlossyBallInARoom) {
   // With the paper's clamp and only 4000 VPLs the lobe (M up to 10 sr^-1, so not "narrow") loses what the clamp takes:
   // measured 0.87 of the mean, 0.95 at 40 times, 0.99 at 800 times the clamp. Pinned so that it cannot grow.
   expect_slightly_darker<M>(ball, 1.0 / 800, 0.16);
+}
+
+/// The weights of bidirectional lightcuts, and no eye path ended that could not contribute.
+struct Unpruned : FourConstraints<S> {
+  using FourConstraints<S>::FourConstraints;
+  [[nodiscard]] bool prune(const Record& /*record*/, S /*d_sup*/) const noexcept { return false; }
+  [[nodiscard]] bool prune_delta(const Record& /*record*/) const noexcept { return false; }
+};
+static_assert(Weighting<Unpruned>);
+
+/// Oracle O-19 as an image: pruning ends paths whose weights are all 0 from there on, so that without it the same
+/// random numbers make the same image from more sensors; on a ball of sharp gloss, of dull gloss and a mirror. Caught:
+/// pruning by C_D alone, without the clamp.
+TEST(Consistency, PruningChangesNothing) {
+  using M = AnyOf<Diffuse, Ward<S>, Mirror<S>>;
+  for (const M& ball : {M(Ward<S>{Rgb<S>(0.7), 0.02, 0.02}), M(Ward<S>{Rgb<S>(0.7), 0.3, 0.3}), M(Mirror<S>{})}) {
+    const auto scene = cornell<M>(ball).build();
+    const auto camera = look_at<S>({0, -0.95, 0}, {0.2, 0.1, -0.4}, 60, 16);
+    const auto filter = ReconstructionFilter<S>::box();
+    Settings settings;
+    settings.vpls = 100;
+    settings.samples = 16;
+    const ManyLightConfig config = many_light_config(settings);
+    const IndependentSampler<S> sampler{9};
+    const auto lights = prepare_lights(scene, camera, filter, config, sampler, SerialExecutor{});
+    const WeightingConfig<S> weights{0.04};
+    const auto image = [&](const auto& weighting) {
+      return render_all_pairs(scene, camera, filter, config, weighting, lights, sampler, SerialExecutor{});
+    };
+    const auto pruned = image(FourConstraints<S>(weights));
+    const auto whole = image(Unpruned(weights));
+    EXPECT_GT(whole.statistics.sensors, pruned.statistics.sensors + pruned.statistics.sensors / 10);
+    for (std::size_t i = 0; i < pruned.image.pixels.size(); ++i) {
+      const Rgb<S> difference = pruned.image.pixels[i] - whole.image.pixels[i];
+      for (int c = 0; c < 3; ++c) EXPECT_NEAR(difference[c], 0, 1e-12) << i;  // rounding of weights that are 0
+    }
+  }
 }
 
 /// Oracle O-23: power that light paths bring to the floor equals what eye paths see leave it, over its albedo. The

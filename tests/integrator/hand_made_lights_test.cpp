@@ -72,7 +72,7 @@ TEST(HandMadeLights, AtThePointThatIsSeen) {
           EXPECT_TRUE(std::isfinite(pixel)) << height;
           EXPECT_GE(pixel, base * (1 - 1e-12)) << height;  // rounding
           const auto most = static_cast<double>(lights.side.lights.vpls.size() - 1) * 0.5 * clamp;
-          EXPECT_LE(pixel, (base + (height > 0 ? most : 0)) * (1 + 1e-12)) << height;
+          EXPECT_LE(pixel, (base + (height > 0 ? most : 0)) * (1 + 1e-12)) << height;  // rounding
         }
       }
     }
@@ -145,10 +145,12 @@ TEST(HandMadeLights, ClampInTheSphereIsOneFactor) {
     const double expected = 0.5 / sqr(radius) + factor * pair * intensity * 0.5;
     for (const double threshold : {1.0, 0.02, 0.0}) {
       lights.config.threshold = threshold;
-      // 1e-10: sums of 6400 terms, cosines of chords at rounding distance from the sphere.
-      for (const auto& pixel : lights.lightcuts().image.pixels) EXPECT_NEAR(pixel.x, expected, 1e-10) << count;
+      // Sums of 6400 terms, cosines of chords at rounding distance from the sphere.
+      for (const auto& pixel : lights.lightcuts().image.pixels)
+        EXPECT_NEAR(pixel.x, expected, 1e-10) << count;  // see above
     }
-    for (const auto& pixel : lights.all_pairs().image.pixels) EXPECT_NEAR(pixel.x, expected, 1e-10) << count;
+    for (const auto& pixel : lights.all_pairs().image.pixels)
+      EXPECT_NEAR(pixel.x, expected, 1e-10) << count;  // as above
   }
   for (std::size_t i = 1; i < factors.size(); ++i) {
     // I_avg N is the flux that the VPLs happen to hold, 1.4 / sqrt(N) of it by roulette: 14 % at 100.
@@ -189,9 +191,10 @@ TEST(HandMadeLights, SplitInTwoChangeNothing) {
   }
   lights.side.lights.vpls = halves;
   const auto split = exact_images(lights);
-  for (std::size_t i = 0; i < whole.size(); ++i) EXPECT_LT(largest_difference(split[i], whole[i]), 1e-12) << i;
-  EXPECT_LT(largest_difference(whole[1], whole[0]), 1e-12);
-  EXPECT_LT(largest_difference(whole[3], whole[2]), 1e-12);
+  for (std::size_t i = 0; i < whole.size(); ++i)
+    EXPECT_LT(largest_difference(split[i], whole[i]), 1e-12) << i;  // order
+  EXPECT_LT(largest_difference(whole[1], whole[0]), 1e-12);         // order of sums
+  EXPECT_LT(largest_difference(whole[3], whole[2]), 1e-12);         // order of sums
   lights.side.weights.c_clamp = k_infinite;
   EXPECT_GT(largest_difference(lights.all_pairs().image, whole[0]), 0.1) << "the clamp binds";
 }
@@ -215,12 +218,13 @@ TEST(HandMadeLights, InAnyOrder) {
   const std::size_t stride = n % 37 == 0 ? 41 : 37;  // coprime to n, so that every light is met once
   for (std::size_t i = 0; i < n; ++i) lights.side.lights.vpls[i] = ordered[(i * stride + 5) % n];
   const auto after = exact_images(lights);
-  for (std::size_t i = 0; i < before.size(); ++i) EXPECT_LT(largest_difference(after[i], before[i]), 1e-12) << i;
+  for (std::size_t i = 0; i < before.size(); ++i)
+    EXPECT_LT(largest_difference(after[i], before[i]), 1e-12) << i;  // order
   // Trees are built by place, representatives drawn by node: coarse cuts do not see the order either.
   lights.config.threshold = 0.02;
   const auto permuted_cut = lights.lightcuts().image;
   lights.side.lights.vpls = ordered;
-  EXPECT_LT(largest_difference(permuted_cut, lights.lightcuts().image), 1e-12);
+  EXPECT_LT(largest_difference(permuted_cut, lights.lightcuts().image), 1e-12);  // order of sums
 }
 
 /// Oracle O-37: floor of albedo 0.5, ceiling of 0.8 at z = 2, a light of 100 W at (0.6, 0, 0.7); light that comes over

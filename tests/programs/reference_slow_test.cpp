@@ -5,33 +5,14 @@
 
 #include <gmock/gmock.h>
 
-#include "image_io/image_io.hpp"
-#include "metrics/metrics.hpp"
 #include "metrics/z_test.hpp"
-#include "programs/program_run.hpp"
+#include "programs/reference.hpp"
 
 namespace manylight {
 namespace {
 
-using test::ProgramRun;
-using test::run_program;
-using test::ScratchTest;
-
-class Reference : public ScratchTest {
- protected:
-  void SetUp() override {
-    if (folder().empty()) GTEST_SKIP() << "MANYLIGHT_REFERENCE_SCENES is not set: no reference images to compare with";
-    ScratchTest::SetUp();
-  }
-  [[nodiscard]] static std::string folder() { return MANYLIGHT_REFERENCE_SCENES; }
-  [[nodiscard]] Image<float> render(const std::string& scene, const std::string& arguments) const {
-    const std::string out = path("image.pfm").string();
-    const ProgramRun run = run_program(std::string(MANYLIGHT_RENDER_PROGRAM) + " " + folder() + "/" + scene + " -q -o " +
-                                       out + " " + arguments);
-    EXPECT_EQ(run.exit_code, 0) << run.output;
-    return image_io::read_image(out);
-  }
-};
+using test::Reference;
+using test::shrink;
 
 struct ZCase {
   const char* name;    ///< of the test and the files
@@ -71,14 +52,6 @@ INSTANTIATE_TEST_SUITE_P(
         ZCase{"test_roughplastic_linear", "bsdf_spheres", "test_roughplastic_linear_path.xml"},
         ZCase{"test_surf_area_light", "participating_media", "test_surf_area_light_volpath.xml"}),
     [](const auto& each) { return std::string(each.param.name); });
-
-/// Means of n x n pixels, which turn a large reference into the size of a quick rendering.
-Image<float> shrink(const Image<float>& image, std::uint32_t n) {
-  const Image<double> blocks = metrics::block_means(image, n);
-  Image<float> result(blocks.width, blocks.height);
-  for (std::size_t i = 0; i < blocks.pixels.size(); ++i) result.pixels[i] = Rgb<float>(blocks.pixels[i]);
-  return result;
-}
 
 TEST_F(Reference, CornellBoxMeanWithinHalfAPercent) {
   const Image<float> reference = shrink(image_io::read_image(folder() + "/cornell-box/TungstenRender.exr"), 4);
