@@ -59,10 +59,12 @@ struct LightBatch {
   RayCounts rays;
 };
 
-/// Paths of the next round: as many as the `missing` VPLs need at the yield so far (1/2 path per VPL to begin with), so
-/// that small sets trace few paths in vain; at least one for each of 32 tasks, at most 32 x 512, which bounds the
-/// memory. Any number gives the same set: every path has its own random numbers, and surplus ones are dropped.
+/// Paths of the next round: as many as the `missing` VPLs need at the yield so far, so that small sets trace few paths in
+/// vain; at least one for each of 32 tasks, at most 32 x 512. The first round is small, as it knows no yield: in a white
+/// room a path may leave a hundred VPLs. Any number gives the same set: every path has its own random numbers, and surplus
+/// ones are dropped.
 [[nodiscard]] inline std::size_t next_round(std::size_t missing, std::size_t found, std::size_t paths) noexcept {
+  if (paths == 0) return 32;
   const double paths_per_vpl = (static_cast<double>(paths) + 1) / (static_cast<double>(found) + 2);
   return static_cast<std::size_t>(std::clamp(std::ceil(static_cast<double>(missing) * paths_per_vpl), 32.0, 16384.0));
 }
