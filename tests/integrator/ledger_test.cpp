@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <type_traits>
 #include <vector>
 
 #include "integrator/image_and_ledger.hpp"
@@ -209,84 +207,6 @@ TEST(Ledger, ImagePlusMissingIsPathTracingInARoomWithGloss) {
   expect_closed(phong, FourConstraints<S>(paper), camera, path, few, false, 0.03);
   const auto ward = cornell<Glossy>(Glossy(Ward<S>{Rgb<S>(0.7), 0.1, 0.3})).build();
   expect_closed(ward, FourConstraints<S>(config), camera, path_means(ward, camera, 100, 8), numbers, true, 0.01);
-}
-
-/// O-21 pixel by pixel, on a ball of rather dull gloss (Ward, alpha 0.15) in the room: bidirectional lightcuts and
-/// their ledger against path tracing. 16 runs of each; every pixel's luminance, the ball's and the film's mean within
-/// the limit of Student's t of 15 degrees of freedom at a family-wise false-alarm rate of 1e-3. Planted bug seen to
-/// fail: alpha left out of the ledger's M and D (pixels, ball and film).
-TEST(Ledger, WardBallPixelByPixel) {
-  constexpr std::uint32_t k_runs = 16;
-  constexpr std::uint32_t k_path_samples = 1500;
-  constexpr std::uint32_t k_ledger_samples = 600;
-  const auto scene = cornell<Glossy>(Glossy(Ward<S>{Rgb<S>(0.7), 0.15, 0.15})).build();
-  using SceneType = std::remove_cv_t<decltype(scene)>;
-  const auto camera = look_at<S>({0, -0.95, 0}, {0.2, 0.1, -0.4}, 60, 8);
-  const auto filter = ReconstructionFilter<S>::box();
-  const FourConstraints<S> weighting(WeightingConfig<S>{0.04, 1, 1, 100, EmitterHits::after_dirac});
-  const LedgerIntegrator<SceneType, FourConstraints<S>> integrator(scene, weighting, LedgerConfig{});
-  Settings settings;
-  settings.vpls = 2000;
-  settings.samples = 32;
-  const ManyLightConfig config = many_light_config(settings);
-  // The last two are means: of the pixels that look at the ball, and of all.
-  const std::size_t pixels = std::size_t{camera.width()} * camera.height();
-  std::vector<bool> on_ball(pixels);
-  RayCounts rays;
-  for (std::uint32_t i = 0; i < pixels; ++i) {
-    auto stream = IndependentSampler<S>{1}.stream(Stage::test, i);
-    const Vec2<S> center(i % camera.width() + 0.5, i / camera.width() + 0.5);  // NOLINT(bugprone-integer-division)
-    const auto point = scene.intersect(camera.ray(center, {0.5, 0.5}), stream, rays);
-    on_ball[i] = point && std::abs(glm::distance(point->position, Vec3<S>(0.3, 0.1, -0.6)) - 0.4) < 1e-6;  // on it
-  }
-  const auto ball_size = static_cast<double>(std::count(on_ball.begin(), on_ball.end(), true));
-  ASSERT_GT(ball_size, 8);
-  std::vector<RunningMoments> whole(pixels + 2), path(pixels + 2);
-  double missing = 0;
-  const auto add = [&](std::vector<RunningMoments>& moments, const std::vector<double>& luminances) {
-    double ball = 0;
-    double all = 0;
-    for (std::size_t i = 0; i < pixels; ++i) {
-      moments[i].add(luminances[i]);
-      all += luminances[i];
-      ball += on_ball[i] ? luminances[i] : 0.0;
-    }
-    moments[pixels].add(ball / ball_size);
-    moments[pixels + 1].add(all / static_cast<double>(pixels));
-  };
-  for (std::uint32_t run = 0; run < k_runs; ++run) {
-    const IndependentSampler<S> sampler{300 + run};
-    const auto lights = prepare_lights(scene, camera, filter, config, sampler, SerialExecutor{});
-    const LightTree<SceneType> tree(lights.lights.vpls, SerialExecutor{});
-    const auto image =
-        render_by_cuts(scene, camera, filter, config, weighting, lights, tree, sampler, SerialExecutor{});
-    EXPECT_EQ(image.statistics.pairs.bound_violations, 0u);
-    const Ledger ledger =
-        estimate_ledger(integrator, camera, filter, Window::of(camera), sampler, 0, k_ledger_samples, SerialExecutor{});
-    std::vector<double> luminances;
-    for (std::size_t i = 0; i < pixels; ++i) luminances.push_back(luminance(image.image.pixels[i] + ledger.missing[i]));
-    add(whole, luminances);
-    missing += ledger.total.luminance / k_runs;
-    settings.seed = 500 + run;
-    settings.samples = k_path_samples;
-    luminances.clear();
-    for (const Rgb<double>& p : render(Method::path, scene, camera, settings).pixels)
-      luminances.push_back(luminance(p));
-    add(path, luminances);
-  }
-  const double limit = student_limit(sidak_level(1e-3, static_cast<double>(pixels + 2)), k_runs - 1);
-  for (std::size_t i = 0; i < whole.size(); ++i) {
-    const double z = z_score(whole[i].mean(), whole[i].standard_error(), path[i].mean(), path[i].standard_error());
-    EXPECT_LT(std::abs(z), limit) << "pixel " << i << ": " << whole[i].mean() << " +- " << whole[i].standard_error()
-                                  << " for " << path[i].mean() << " +- " << path[i].standard_error();
-  }
-  for (const std::size_t i : {pixels, pixels + 1}) {
-    RecordProperty(i == pixels ? "ball" : "film", std::to_string(whole[i].mean()) + " for " +
-                                                      std::to_string(path[i].mean()) + " +- " +
-                                                      std::to_string(path[i].standard_error()));
-    EXPECT_LT(std::hypot(whole[i].standard_error(), path[i].standard_error()), 0.01 * path[i].mean());
-  }
-  EXPECT_GT(missing, 0.03 * path[pixels + 1].mean()) << "too little to tell";
 }
 
 /// O-21 under the open sky: environment, sun and a point light, of which the last two are exact. Caught: T^w of light
