@@ -8,6 +8,7 @@
 #include "manylight/core/box.hpp"
 #include "manylight/core/config.hpp"
 #include "manylight/core/direction_cone.hpp"
+#include "manylight/core/direction_set.hpp"
 #include "manylight/core/error.hpp"
 #include "manylight/core/executor.hpp"
 #include "manylight/core/frame.hpp"
