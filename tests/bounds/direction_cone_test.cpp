@@ -9,7 +9,7 @@
 #include <type_traits>
 
 #include "manylight/bounds/box_pair.hpp"
-#include "manylight/bounds/direction_cone.hpp"
+#include "manylight/core/direction_cone.hpp"
 
 namespace manylight {
 namespace {

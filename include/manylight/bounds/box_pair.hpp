@@ -8,8 +8,8 @@
 #include <cmath>
 #include <limits>
 
-#include "manylight/bounds/direction_cone.hpp"
 #include "manylight/core/box.hpp"
+#include "manylight/core/direction_cone.hpp"
 #include "manylight/core/frame.hpp"
 
 namespace manylight {

@@ -7,8 +7,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "manylight/bounds/direction_cone.hpp"
 #include "manylight/bounds/pattern_bound.hpp"
+#include "manylight/core/direction_cone.hpp"
 #include "manylight/many_light/representatives.hpp"
 #include "manylight/path/eye_subpath.hpp"
 

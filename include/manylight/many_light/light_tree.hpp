@@ -11,8 +11,8 @@
 #include <span>
 #include <vector>
 
-#include "manylight/bounds/direction_cone.hpp"
 #include "manylight/bounds/pattern_bound.hpp"
+#include "manylight/core/direction_cone.hpp"
 #include "manylight/core/huge_pages.hpp"
 #include "manylight/core/prefetch.hpp"
 #include "manylight/many_light/representatives.hpp"

@@ -3,6 +3,8 @@
 
 #include <optional>
 
+#include "manylight/core/direction_set.hpp"
+#include "manylight/core/rgb_interval.hpp"
 #include "manylight/core/warp.hpp"
 #include "manylight/scattering/concepts.hpp"
 #include "manylight/scattering/validation.hpp"
@@ -14,13 +16,16 @@ template <std::floating_point S>
 struct Lambertian {
   using Scalar = S;
   static constexpr bool k_isotropic = true;  ///< vertices need no tangent
-  Rgb<S> reflectance{S(0.5)};  ///< albedo per channel, [0, 1]
+  Rgb<S> reflectance{S(0.5)};                ///< albedo per channel, [0, 1]
 
   /// Throws ParameterError.
   void validate() const { check::reflectance("Lambertian reflectance", reflectance); }
 
-  [[nodiscard]] Rgb<S> eval(const Vec3<S>& wi, const Vec3<S>& wo) const noexcept {
-    return wi.z > S(0) && wo.z > S(0) ? reflectance * k_inv_pi<S> : Rgb<S>(0);
+  /// Of vectors the BSDF; of direction sets the range of its values over them.
+  template <LocalDirection<S> Wi = Vec3<S>, LocalDirection<S> Wo = Vec3<S>>
+  [[nodiscard]] auto eval(const Wi& wi, const Wo& wo) const noexcept {
+    const PatternScalar<Wi, Wo, S> inv_pi = k_inv_pi<S>;
+    return when(wi.z > S(0) && wo.z > S(0), [&] { return reflectance * inv_pi; });
   }
   [[nodiscard]] std::optional<DirectionSample<S>> sample(const Vec3<S>& known, Walk, S /*u_lobe*/,
                                                          const Vec2<S>& u) const noexcept {

@@ -3,33 +3,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
+#include "manylight/core/direction_set.hpp"
 #include "manylight/core/vector.hpp"
 #include "manylight/scattering/concepts.hpp"
 
 /// Small geometry of the local shading frame (normal = +z) shared by the materials.
 namespace manylight::local {
 
-/// The mirror image of `w` about the normal.
-template <std::floating_point S>
-[[nodiscard]] constexpr Vec3<S> mirror(const Vec3<S>& w) noexcept {
-  return {-w.x, -w.y, w.z};
-}
-
-/// The mirror image of `w` about the unit vector `m`.
-template <std::floating_point S>
-[[nodiscard]] inline Vec3<S> mirror(const Vec3<S>& w, const Vec3<S>& m) noexcept {
-  return S(2) * glm::dot(w, m) * m - w;
-}
-
-/// Unit half vector of two directions of the upper side; the normal if they cancel to nothing.
-template <std::floating_point S>
-[[nodiscard]] inline Vec3<S> half_vector(const Vec3<S>& wi, const Vec3<S>& wo) noexcept {
-  const Vec3<S> h = wi + wo;
-  const S length2 = glm::dot(h, h);
-  return length2 > std::numeric_limits<S>::min() ? h / std::sqrt(length2) : Vec3<S>(0, 0, 1);
-}
+using manylight::half_vector;
+using manylight::mirror;
 
 /// Both directions lie on the side of the normal.
 template <std::floating_point S>

@@ -4,7 +4,9 @@
 #include <cmath>
 #include <optional>
 
+#include "manylight/core/direction_set.hpp"
 #include "manylight/core/frame.hpp"
+#include "manylight/core/rgb_interval.hpp"
 #include "manylight/scattering/local_geometry.hpp"
 #include "manylight/scattering/validation.hpp"
 
@@ -18,8 +20,8 @@ template <std::floating_point S>
 struct Phong {
   using Scalar = S;
   static constexpr bool k_isotropic = true;  ///< vertices need no tangent
-  Rgb<S> specular{S(0.5)};  ///< albedo at normal incidence per channel, [0, 1]
-  S exponent = S(50);       ///< n >= 0; the larger, the sharper
+  Rgb<S> specular{S(0.5)};                   ///< albedo at normal incidence per channel, [0, 1]
+  S exponent = S(50);                        ///< n >= 0; the larger, the sharper
 
   /// Throws ParameterError.
   void validate() const {
@@ -27,9 +29,10 @@ struct Phong {
     check::non_negative("Phong exponent", exponent);
   }
 
-  [[nodiscard]] Rgb<S> eval(const Vec3<S>& wi, const Vec3<S>& wo) const noexcept {
-    if (!local::both_above(wi, wo)) return Rgb<S>(0);
-    return specular * (peak() * lobe(glm::dot(local::mirror(wo), wi)));
+  /// Of vectors the BSDF; of direction sets the range of its values over them.
+  template <LocalDirection<S> Wi = Vec3<S>, LocalDirection<S> Wo = Vec3<S>>
+  [[nodiscard]] auto eval(const Wi& wi, const Wo& wo) const noexcept {
+    return when(wi.z > S(0) && wo.z > S(0), [&] { return specular * (peak() * lobe(dot(mirror(wo), wi))); });
   }
 
   /// The cosine to the lobe's axis has the density (n + 1) cos^n on [0, 1]: cos = (1 - u)^(1 / (n + 1)), by inversion.
@@ -70,7 +73,10 @@ struct Phong {
  private:
   [[nodiscard]] S peak() const noexcept { return (exponent + S(2)) / (S(2) * k_pi<S>); }
   /// max(0, c)^n; an exponent of 0 still ends the lobe at 90 degrees from its axis. Rounding must not lift c above 1.
-  [[nodiscard]] S lobe(S c) const noexcept { return c > S(0) ? std::pow(std::min(c, S(1)), exponent) : S(0); }
+  template <class Cosine>
+  [[nodiscard]] Cosine lobe(const Cosine& c) const noexcept {
+    return when(c > S(0), [&] { return manylight::pow(manylight::min(c, S(1)), exponent); });
+  }
 };
 
 static_assert(BoundedMaterial<Phong<float>> && BoundedMaterial<Phong<double>>);
