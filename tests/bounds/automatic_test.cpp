@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include <cstdio>
+#include <cmath>
 #include <random>
 #include <string>
 
@@ -29,11 +29,12 @@ class AutomaticBounds : public ::testing::Test {
   }
   Vec3<S> upper() { return around({0, 0, 1}, std::acos(0.05 + 0.95 * uniform())); }
 
-  /// Mean of bound over sampled maximum, for cones next to the mirror direction; fails where a sample is larger.
+  /// Mean of bound over sampled maximum, for cones next to the mirror direction; fails if a sample is larger.
   template <class M>
   double mean_slack(const M& m, double half) {
     double sum = 0;
     int count = 0;
+    int violations = 0;
     for (int i = 0; i < 1000; ++i) {
       const Vec3<S> wo = upper();
       const bool is_near = i % 2 == 0;
@@ -46,13 +47,13 @@ class AutomaticBounds : public ::testing::Test {
         const Vec3<S> wi = around(set.cone.axis, half * (uniform() < 0.5 ? 1 : std::sqrt(uniform())));
         const S value = max_channel(m.eval(wi, wo));
         most = std::max(most, value);
-        EXPECT_LE(value, bound);
-        EXPECT_LE(value * std::abs(wi.z), bound_cos);
+        violations += value <= bound && value * std::abs(wi.z) <= bound_cos ? 0 : 1;
       }
       if (!is_near || !(most > S(0))) continue;
       sum += static_cast<double>(bound / most);
       ++count;
     }
+    EXPECT_EQ(violations, 0);
     return sum / count;
   }
 };
@@ -67,12 +68,15 @@ TYPED_TEST(AutomaticBounds, AreNeverBelowSamplesAndTight) {
   for (const double half : {0.01, 0.1, 0.5}) {
     const double slack_diffuse = this->mean_slack(diffuse, half);
     const double slack_phong = this->mean_slack(phong, half);
-    std::printf("half-angle %.2f: Lambertian %.4f, Phong 50 %.4f\n", half, slack_diffuse, slack_phong);
+    const std::string name = "slack_at_" + std::to_string(half);
+    ::testing::Test::RecordProperty(name + "_lambertian", std::to_string(slack_diffuse));
+    ::testing::Test::RecordProperty(name + "_phong", std::to_string(slack_phong));
     EXPECT_LT(slack_diffuse, 1.001);  // constant: rounding alone
     EXPECT_LT(slack_phong, 1.2);      // exact but for the part below the horizon and sampling's own misses
   }
 }
 
+// Planted bug seen to fail: Phong's peak with its division turned into a product (float).
 TYPED_TEST(AutomaticBounds, VectorsKeepTheirValuesToTheBit) {
   using S = TypeParam;
   const Lambertian<S> diffuse{Rgb<S>(S(0.9), S(0.3), S(0.1))};

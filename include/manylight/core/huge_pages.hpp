@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Memory for large tables that are read at random, such as a million VPLs and their tree. With pages of 4 KiB nearly every
-// read also misses the TLB; the allocator asks the system (Linux) for pages of 2 MiB, and elsewhere is a plain one.
+// Memory for large tables that are read at random, such as a million VPLs and their tree. With pages of 4 KiB nearly
+// every read also misses the TLB; the allocator asks the system (Linux) for pages of 2 MiB, and elsewhere is a plain
+// one.
 
 #include <cstddef>
 #include <cstdlib>

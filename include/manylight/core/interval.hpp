@@ -128,7 +128,6 @@ struct Interval {
     if (b.hi <= S(0) && b.lo < S(0)) return Interval(-a) / Interval(-b);
     if (b.lo < S(0) || b.hi == S(0)) return whole();
     if (b.lo == S(0) && a.lo < S(0) && a.hi > S(0)) return whole();
-    if (b.lo == S(0) && a.is_zero()) return S(0);
     // The largest divisor draws an end to 0, the smallest drives it away; 0 / 0 and infinity / infinity cannot occur.
     const S divisor = b.lo + S(0);  // -0, as negation makes it, would turn +infinity into -infinity
     const S least = a.lo >= S(0) ? detail::down_to_zero(a.lo / b.hi) : detail::down(a.lo / divisor) - detail::k_tiny<S>;

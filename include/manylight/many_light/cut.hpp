@@ -101,10 +101,6 @@ class CutSum {
   }
   [[nodiscard]] std::size_t cut_size() const noexcept { return heap_.size() + settled_count_; }
 
-  [[nodiscard]] S upper_bound(const GatherNode<S>& gather, const LightNode<S>& light) const noexcept {
-    return pair_bound(gather, light, limits_);
-  }
-
   void start(const std::vector<Sensor<Scene, W>>& sensors, const Rgb<double>& known, std::uint64_t key);
   [[nodiscard]] bool take_worst();
   void split_batch();
@@ -224,14 +220,14 @@ void CutSum<Scene, W>::inherit(std::uint32_t cluster, std::uint32_t gather, std:
   total_ += estimate(c);
   const GatherNode<S>& g = gather_.node(gather);
   const LightNode<S>& l = lights_.node(light);
-  place(cluster, g.is_leaf && l.is_leaf ? S(0) : pair_error(g, l, c.scale, upper_bound(g, l)));
+  place(cluster, g.is_leaf && l.is_leaf ? S(0) : pair_error(g, l, c.scale, pair_bound(g, l, limits_)));
 }
 
 template <class Scene, class W>
 void CutSum<Scene, W>::open(std::uint32_t gather, std::uint32_t light) {
   const GatherNode<S>& g = gather_.node(gather);
   const LightNode<S>& l = lights_.node(light);
-  const S bound = upper_bound(g, l);
+  const S bound = pair_bound(g, l, limits_);
   if (!(bound > S(0))) {
     ++settled_count_;
     return;
