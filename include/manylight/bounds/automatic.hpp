@@ -9,13 +9,6 @@
 
 namespace manylight {
 
-/// A material whose `eval` takes direction sets and then returns ranges that hold every value over them.
-template <class M>
-concept SetEvaluable = Material<M> &&
-    requires(const M& m, const DirectionSet<typename M::Scalar>& set, const Vec3<typename M::Scalar>& w) {
-  { m.eval(set, w) } -> std::same_as<RgbInterval<typename M::Scalar>>;
-};
-
 /// Upper bound over `wi` of the BSDF's largest channel, sr^-1; may be infinite.
 template <SetEvaluable M, LocalDirection<typename M::Scalar> Wo>
 [[nodiscard]] inline typename M::Scalar sup_eval(const M& m, const DirectionSet<typename M::Scalar>& wi,

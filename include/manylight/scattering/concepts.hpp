@@ -4,6 +4,8 @@
 #include <concepts>
 #include <optional>
 
+#include "manylight/core/direction_set.hpp"
+#include "manylight/core/rgb_interval.hpp"
 #include "manylight/core/spectrum.hpp"
 #include "manylight/core/vector.hpp"
 
@@ -46,6 +48,28 @@ concept Material = std::copyable<M> && requires(const M& m, const Vec3<typename 
   { m.albedo() } -> std::same_as<Rgb<typename M::Scalar>>;
   { m.is_delta() } -> std::same_as<bool>;
 };
+
+/// A material whose `eval` also takes sets of directions for either or both, and then returns ranges that hold every value
+/// over them: upper bounds follow from it.
+template <class M>
+concept SetEvaluable = Material<M> && requires(const M& m, const DirectionSet<typename M::Scalar>& set,
+                                               const Vec3<typename M::Scalar>& w) {
+  { m.eval(set, w) } -> std::same_as<RgbInterval<typename M::Scalar>>;
+  { m.eval(w, set) } -> std::same_as<RgbInterval<typename M::Scalar>>;
+  { m.eval(set, set) } -> std::same_as<RgbInterval<typename M::Scalar>>;
+};
+
+/// `m.eval(wi, wo)` of vectors or sets; of a material that does not take sets, anything from 0 to infinity.
+template <Material M, LocalDirection<typename M::Scalar> Wi, LocalDirection<typename M::Scalar> Wo>
+[[nodiscard]] inline auto eval_over(const M& m, const Wi& wi, const Wo& wo) noexcept {
+  using S = typename M::Scalar;
+  if constexpr (SetEvaluable<M> || std::is_same_v<PatternScalar<Wi, Wo, S>, S>) {
+    return m.eval(wi, wo);
+  } else {
+    const Interval<S> anything(S(0), k_infinity<S>);
+    return RgbInterval<S>(anything, anything, anything);
+  }
+}
 
 /// Optional refinement: a material that can bound itself, in O(1). With m(x) the largest channel, all are true upper
 /// bounds (sampled in tests), 0 for delta lobes and where `wo` lies on a black side, may be infinite:
