@@ -29,9 +29,18 @@ class DirectionSets : public ::testing::Test, public test::WideRandom {
   DirectionSet<S> set(Wide most = 3.1L) {
     const Wide kind = uniform();
     const Wide half = kind < 0.15L ? 0 : kind < 0.6L ? std::pow(Wide(10), uniform(-7, 0)) : uniform(0, most);
-    return DirectionSet<S>(direction(), static_cast<S>(std::min(half, most)));
+    const Wide outer = std::min(half, most);
+    if (uniform() < 0.5L) return DirectionSet<S>(direction(), static_cast<S>(outer));
+    return DirectionSet<S>::ring(direction(), static_cast<S>(outer * uniform()), static_cast<S>(outer));
   }
-  WideVec member(const DirectionSet<S>& s) { return this->inside(s.cone); }
+  /// On a rim half of the time. The rims are those of the set's own cosines and sines.
+  WideVec member(const DirectionSet<S>& s) {
+    const Wide outer = std::atan2(Wide(s.cone.sin_half), Wide(s.cone.cos_half));
+    const Wide inner = std::atan2(Wide(s.sin_inner), Wide(s.cos_inner));
+    const Wide kind = uniform();
+    const Wide angle = kind < 0.25L ? outer : kind < 0.5L ? inner : inner + (outer - inner) * uniform();
+    return around(glm::normalize(WideVec(s.cone.axis)), std::max(Wide(0), angle));
+  }
 };
 using Scalars = ::testing::Types<float, double>;
 TYPED_TEST_SUITE(DirectionSets, Scalars);
@@ -43,13 +52,15 @@ bool holds(const Interval<S>& range, Wide value) {
 /// Up to the rounding of the cone's own cosine, sine and axis, which what reads cones allows for.
 template <class S>
 bool holds(const DirectionSet<S>& set, const WideVec& w) {
-  if (set.cone.is_full()) return true;
-  return test::wide_angle(glm::normalize(WideVec(set.cone.axis)), w) <=
-         std::atan2(Wide(set.cone.sin_half), Wide(set.cone.cos_half)) + 8 * Wide(std::numeric_limits<S>::epsilon());
+  const Wide angle = test::wide_angle(glm::normalize(WideVec(set.cone.axis)), w);
+  const Wide rounding = 8 * Wide(std::numeric_limits<S>::epsilon());
+  return angle <= std::atan2(Wide(set.cone.sin_half), Wide(set.cone.cos_half)) + rounding &&
+         angle >= std::atan2(Wide(set.sin_inner), Wide(set.cos_inner)) - rounding;
 }
 
 // Planted bugs seen to fail: half vectors in a cone of half the half-angle; "half-angles add to pi" left out; rho taken
-// as 1 in the slopes; no margin for rounding.
+// as 1 in the slopes; no margin for rounding; half vectors of a ring as far from its axis as the ring's members; rings
+// without the case that the vector lies in their hole; slopes of a ring from its inner angle alone.
 TYPED_TEST(DirectionSets, HoldWhatTheirMembersGive) {
   using S = TypeParam;
   int narrow = 0;
@@ -97,7 +108,15 @@ TYPED_TEST(DirectionSets, AreTight) {
   EXPECT_NEAR(static_cast<double>(dot(set, set).lo), std::cos(0.4), margin);
   EXPECT_NEAR(static_cast<double>(slopes(set).x.hi), std::tan(0.9), 8 * margin);  // the slopes' own margin is 8 times
   EXPECT_NEAR(static_cast<double>(slopes(set).tan2.lo), std::pow(std::tan(0.5), 2), 8 * margin);  // the same
-  EXPECT_NEAR(static_cast<double>(half_vector(set, axis).cone.half_angle()), 0.1 / std::cos(0.1), margin);
+  const double series = 1e-6;  // of the arc sine and the sine, cut off
+  EXPECT_NEAR(static_cast<double>(half_vector(set, axis).cone.half_angle()), 0.1 / std::cos(0.1), series + margin);
+  const auto ring = DirectionSet<S>::ring(axis, S(0.9), S(1.1));
+  EXPECT_NEAR(static_cast<double>(ring.z.hi), std::cos(0.2), margin);
+  EXPECT_NEAR(static_cast<double>(dot(-ring, axis).lo), -std::cos(0.9), margin);
+  const DirectionSet<S> half = half_vector(ring, Vec3<S>(-axis.x, axis.y, axis.z));
+  EXPECT_NEAR(static_cast<double>(half.cos_inner), std::cos(0.45), margin);
+  EXPECT_NEAR(static_cast<double>(half.z.hi), std::cos(0.45), margin);
+  EXPECT_NEAR(static_cast<double>(slopes(half).tan2.lo), std::pow(std::tan(0.45), 2), 8 * margin);
 }
 
 }  // namespace
