@@ -34,7 +34,7 @@ TEST(MillionLights, TreesOverDuplicatesAndLines) {
       EXPECT_NEAR(tree.node(tree.roots()[0]).intensity.x, static_cast<S>(n),
                   1e-4 * static_cast<double>(n));  // float sum
       unsigned depth = 0;
-      for (std::uint32_t node = tree.roots()[0]; !tree.node(node).is_leaf; node = tree.node(node).child) ++depth;
+      for (std::uint32_t node = tree.roots()[0]; !tree.node(node).is_leaf; node = tree.node(node).children[0]) ++depth;
       EXPECT_LT(depth, 64u);
     }
     RecordProperty(on_a_line ? "line_ratio" : "point_ratio", std::to_string(seconds[1] / seconds[0]));

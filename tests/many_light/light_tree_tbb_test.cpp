@@ -21,18 +21,18 @@ void expect_same_nodes(const LightTree<test::MixedScene<S>>& a, const LightTree<
     const std::uint32_t i = open.back();
     open.pop_back();
     ++visited;
-    const LightNode<S>& x = a.node(i);
-    const LightNode<S>& y = b.node(i);
+    const LightNode<S> x = a.node(i);
+    const LightNode<S> y = b.node(i);
     ASSERT_EQ(x.is_leaf, y.is_leaf);
-    ASSERT_EQ(x.child, y.child);
+    ASSERT_EQ(x.children, y.children);
     ASSERT_EQ(x.intensity, y.intensity);
     ASSERT_EQ(x.box.lo, y.box.lo);
     ASSERT_EQ(x.box.hi, y.box.hi);
     ASSERT_EQ(x.normals.axis, y.normals.axis);
     ASSERT_EQ(x.normals.cos_half, y.normals.cos_half);
     if (x.is_leaf) continue;
-    open.push_back(x.child);
-    open.push_back(x.child + 1);
+    open.push_back(x.children[0]);
+    open.push_back(x.children[1]);
   }
   EXPECT_EQ(visited, 2 * a.vpls().size() - a.roots().size());
 }

@@ -42,7 +42,7 @@ struct Shape {
 template <class S>
 void walk(const LightTree<test::MixedScene<S>>& tree, std::uint32_t i, unsigned depth, Shape& shape,
           std::vector<std::uint32_t>& seen) {
-  const LightNode<S>& node = tree.node(i);
+  const LightNode<S> node = tree.node(i);
   shape.depth = std::max(shape.depth, depth);
   if (node.is_leaf) {
     ++shape.leaves;
@@ -50,9 +50,9 @@ void walk(const LightTree<test::MixedScene<S>>& tree, std::uint32_t i, unsigned 
     seen.push_back(node.leaves.begin);
     return;
   }
-  ASSERT_GT(node.child, i) << "children come after their parent";
-  walk<S>(tree, node.child, depth + 1, shape, seen);
-  walk<S>(tree, node.child + 1, depth + 1, shape, seen);
+  ASSERT_GT(node.children[0], i) << "children come after their parent";
+  walk<S>(tree, node.children[0], depth + 1, shape, seen);
+  walk<S>(tree, node.children[1], depth + 1, shape, seen);
 }
 
 template <class S>
@@ -78,10 +78,10 @@ TYPED_TEST(LightTrees, EveryNodeHoldsItsMembers) {
       while (!open.empty()) {
         const std::uint32_t i = open.back();
         open.pop_back();
-        const LightNode<S>& node = tree.node(i);
+        const LightNode<S> node = tree.node(i);
         if (node.is_leaf) continue;
-        open.push_back(node.child);
-        open.push_back(node.child + 1);
+        open.push_back(node.children[0]);
+        open.push_back(node.children[1]);
         Shape unused;
         std::vector<std::uint32_t> members;
         walk<S>(tree, i, 0, unused, members);
@@ -133,10 +133,10 @@ TYPED_TEST(LightTrees, PatternBoundHoldsForEveryMember) {
     while (!open.empty()) {
       const std::uint32_t i = open.back();
       open.pop_back();
-      const LightNode<S>& node = tree.node(i);
+      const LightNode<S> node = tree.node(i);
       if (!node.is_leaf) {
-        open.push_back(node.child);
-        open.push_back(node.child + 1);
+        open.push_back(node.children[0]);
+        open.push_back(node.children[1]);
       }
       Shape unused;
       std::vector<std::uint32_t> members;
@@ -198,16 +198,22 @@ TYPED_TEST(LightTrees, OneChildInheritsTheRepresentative) {
   RandomVertices<S> random(4);
   const auto lights = random_lights(random, 500, Gloss::none, {VertexKind::surface});
   const LightTree<test::MixedScene<S>> tree(lights, SerialExecutor{});
-  for (std::uint32_t i = 0; i < 999; ++i) {
+  std::vector<std::uint32_t> open = tree.roots();
+  std::size_t visited = 0;
+  for (; !open.empty(); ++visited) {
+    const std::uint32_t i = open.back();
+    open.pop_back();
+    const LightNode<S> node = tree.node(i);
+    if (!node.is_leaf) open.insert(open.end(), node.children.begin(), node.children.end());
     for (std::uint32_t k = 0; k <= 20; ++k) {
       const std::uint32_t leaf = tree.representative(i, std::min(k / 20.0, 1 - 0x1p-32));
-      const LeafRange& own = tree.node(i).leaves;
-      ASSERT_TRUE(leaf >= own.begin && leaf < own.end) << i;
-      if (tree.node(i).is_leaf) continue;
-      const LeafRange& heir = tree.node(tree.inheriting_child(i, leaf)).leaves;
+      ASSERT_TRUE(leaf >= node.leaves.begin && leaf < node.leaves.end) << i;
+      if (node.is_leaf) continue;
+      const LeafRange heir = tree.node(tree.inheriting_child(i, leaf)).leaves;
       EXPECT_TRUE(leaf >= heir.begin && leaf < heir.end) << i;
     }
   }
+  EXPECT_EQ(visited, 999u);
 }
 
 // Directional lights are exact, environments are not; both are at infinity. A bound with a clamp would be wrong there.
@@ -222,7 +228,7 @@ TYPED_TEST(LightTrees, ExactAndOrdinaryLightsAtInfinityMix) {
   lights[1].position = Vec3<S>(1, 0, 0);
   const LightTree<test::MixedScene<S>> tree(lights, SerialExecutor{});
   for (const std::uint32_t root : tree.roots()) {
-    const LightNode<S>& node = tree.node(root);
+    const LightNode<S> node = tree.node(root);
     EXPECT_TRUE(node.is_leaf || node.is_exact);
   }
 }

@@ -18,6 +18,7 @@
 // that memory is asked for ahead and rays are traced together. A batch costs at most its size in splits too many.
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -42,8 +43,8 @@ struct CutConfig {
   }
 };
 
-/// A pair sum by cuts; keeps its memory from pixel to pixel.
-template <class Scene, class W>
+/// A pair sum by cuts; keeps its memory from pixel to pixel. `B` bounds the materials of sensors.
+template <class Scene, class W, PatternBounds<typename Scene::Material> B = AutomaticBounds>
 class CutSum {
   static_assert(Weighting<W>,
                 "manylight::CutSum: the weighting must model Weighting: Scalar, Record, start, extend, extend_delta, weight, "
@@ -53,13 +54,14 @@ class CutSum {
   using S = typename Scene::Scalar;
 
   CutSum(const Scene& scene, const W& weighting, const LightTree<Scene>& lights, unsigned max_edges,
-         const CutConfig& config)
+         const CutConfig& config, const B& bounds = {})
       : scene_(scene),
         weighting_(weighting),
         lights_(lights),
         limits_{weighting.light_limit(), weighting.clamp(), scene.emitters().scene_radius()},
         max_edges_(max_edges),
-        config_(config) {
+        config_(config),
+        bounds_(bounds) {
     config.validate();
   }
 
@@ -116,6 +118,7 @@ class CutSum {
   PairLimits<S> limits_;
   unsigned max_edges_;
   CutConfig config_;
+  B bounds_;
 
   GatherTree<Scene, W> gather_;
   std::vector<Cluster> clusters_;
@@ -131,8 +134,8 @@ class CutSum {
   PairStatistics statistics_;
 };
 
-template <class Scene, class W>
-PairSumResult CutSum<Scene, W>::operator()(const std::vector<Sensor<Scene, W>>& sensors, const Rgb<double>& known,
+template <class Scene, class W, PatternBounds<typename Scene::Material> B>
+PairSumResult CutSum<Scene, W, B>::operator()(const std::vector<Sensor<Scene, W>>& sensors, const Rgb<double>& known,
                                            std::uint64_t key) {
   statistics_ = {};
   if (sensors.empty()) return {};
@@ -151,11 +154,11 @@ PairSumResult CutSum<Scene, W>::operator()(const std::vector<Sensor<Scene, W>>& 
 }
 
 /// The coarsest cut: every pair of roots.
-template <class Scene, class W>
-void CutSum<Scene, W>::start(const std::vector<Sensor<Scene, W>>& sensors, const Rgb<double>& known,
+template <class Scene, class W, PatternBounds<typename Scene::Material> B>
+void CutSum<Scene, W, B>::start(const std::vector<Sensor<Scene, W>>& sensors, const Rgb<double>& known,
                              std::uint64_t key) {
   key_ = mix_bits(key);
-  gather_.build(sensors, weighting_);
+  gather_.build(sensors, weighting_, bounds_);
   clusters_.clear();
   heap_.clear();
   pending_.clear();
@@ -167,8 +170,8 @@ void CutSum<Scene, W>::start(const std::vector<Sensor<Scene, W>>& sensors, const
 }
 
 /// Moves the worst clusters above the allowed error from the heap to the batch; false if there are none.
-template <class Scene, class W>
-bool CutSum<Scene, W>::take_worst() {
+template <class Scene, class W, PatternBounds<typename Scene::Material> B>
+bool CutSum<Scene, W, B>::take_worst() {
   batch_.clear();
   const double allowed = config_.threshold * std::max(luminance(total_), config_.floor);
   const std::size_t size = cut_size();
@@ -184,23 +187,24 @@ bool CutSum<Scene, W>::take_worst() {
   return !batch_.empty();
 }
 
-template <class Scene, class W>
-void CutSum<Scene, W>::split_batch() {
+template <class Scene, class W, PatternBounds<typename Scene::Material> B>
+void CutSum<Scene, W, B>::split_batch() {
   for (const std::uint32_t cluster : batch_) lights_.prefetch_children(clusters_[cluster].light);
   for (const std::uint32_t cluster : batch_) split(cluster);
   evaluate_pending();
 }
 
 /// Replaces a cluster by two: one keeps its representative pair (and its slot), the other draws a new one.
-template <class Scene, class W>
-void CutSum<Scene, W>::split(std::uint32_t cluster) {
+template <class Scene, class W, PatternBounds<typename Scene::Material> B>
+void CutSum<Scene, W, B>::split(std::uint32_t cluster) {
   const Cluster parent = clusters_[cluster];
   total_ -= estimate(parent);
   const bool on_gather = splits_gather(gather_.node(parent.gather), lights_.node(parent.light));
-  const std::uint32_t first = on_gather ? gather_.node(parent.gather).child : lights_.node(parent.light).child;
+  const std::array<std::uint32_t, 2> children =
+      on_gather ? gather_.children(parent.gather) : lights_.node(parent.light).children;
   const std::uint32_t heir = on_gather ? gather_.inheriting_child(parent.gather, parent.sensor)
                                        : lights_.inheriting_child(parent.light, parent.vpl);
-  for (std::uint32_t child = first; child < first + 2; ++child) {
+  for (const std::uint32_t child : children) {
     const std::uint32_t gather = on_gather ? child : parent.gather;
     const std::uint32_t light = on_gather ? parent.light : child;
     if (child == heir) {
@@ -211,22 +215,22 @@ void CutSum<Scene, W>::split(std::uint32_t cluster) {
   }
 }
 
-template <class Scene, class W>
-void CutSum<Scene, W>::inherit(std::uint32_t cluster, std::uint32_t gather, std::uint32_t light) {
+template <class Scene, class W, PatternBounds<typename Scene::Material> B>
+void CutSum<Scene, W, B>::inherit(std::uint32_t cluster, std::uint32_t gather, std::uint32_t light) {
   Cluster& c = clusters_[cluster];
   c.gather = gather;
   c.light = light;
   c.scale = luminance(gather_.node(gather).strength) * luminance(lights_.node(light).intensity);
   total_ += estimate(c);
   const GatherNode<S>& g = gather_.node(gather);
-  const LightNode<S>& l = lights_.node(light);
+  const LightNode<S> l = lights_.node(light);
   place(cluster, g.is_leaf && l.is_leaf ? S(0) : pair_error(g, l, c.scale, pair_bound(g, l, limits_)));
 }
 
-template <class Scene, class W>
-void CutSum<Scene, W>::open(std::uint32_t gather, std::uint32_t light) {
+template <class Scene, class W, PatternBounds<typename Scene::Material> B>
+void CutSum<Scene, W, B>::open(std::uint32_t gather, std::uint32_t light) {
   const GatherNode<S>& g = gather_.node(gather);
-  const LightNode<S>& l = lights_.node(light);
+  const LightNode<S> l = lights_.node(light);
   const S bound = pair_bound(g, l, limits_);
   if (!(bound > S(0))) {
     ++settled_count_;
@@ -245,8 +249,8 @@ void CutSum<Scene, W>::open(std::uint32_t gather, std::uint32_t light) {
 }
 
 /// Draws and evaluates the representatives of all new clusters, with one batch of shadow rays, and puts them into the cut.
-template <class Scene, class W>
-void CutSum<Scene, W>::evaluate_pending() {
+template <class Scene, class W, PatternBounds<typename Scene::Material> B>
+void CutSum<Scene, W, B>::evaluate_pending() {
   for (const Pending& pending : pending_) {
     Cluster& c = clusters_[pending.cluster];
     c.vpl = lights_.representative(c.light, pending.u);
@@ -281,8 +285,8 @@ void CutSum<Scene, W>::evaluate_pending() {
   pending_.clear();
 }
 
-template <class Scene, class W>
-void CutSum<Scene, W>::place(std::uint32_t cluster, S error) {
+template <class Scene, class W, PatternBounds<typename Scene::Material> B>
+void CutSum<Scene, W, B>::place(std::uint32_t cluster, S error) {
   if (error > S(0)) {
     heap_.push_back({error, cluster});
     std::push_heap(heap_.begin(), heap_.end());

@@ -4,10 +4,11 @@
 // The gather tree of multidimensional lightcuts [Walter 2006, section 4.2]: clusters of one pixel's sensors. A node bounds
 // the weighted pattern w M of its sensors over directions, without looking at its members.
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
-#include "manylight/bounds/pattern_bound.hpp"
+#include "manylight/bounds/pattern_profile.hpp"
 #include "manylight/core/direction_cone.hpp"
 #include "manylight/many_light/representatives.hpp"
 #include "manylight/path/eye_subpath.hpp"
@@ -22,25 +23,22 @@ struct GatherNode {
   DirectionCone<S> lobes;    ///< of the mirror directions of wo
   Rgb<S> strength{0};        ///< sum of S
   S saturation = S(1);       ///< largest max_channel(S) / luminance(S) of the sensors
-  S diffuse = S(0);          ///< M <= diffuse max(0, cos) / pi + gloss(angle to the nearest lobe), capped
-  GlossProfile<S> gloss{};
+  PatternProfile<S> pattern;  ///< of M
   S cap = S(0);              ///< limit of the weighted pattern, sr^-1; infinite if nothing is known
   S remaining = S(0);        ///< largest 1 - W of the sensors, see SensorLimit
   std::uint32_t child = 0;   ///< index of the first child, the second follows
   LeafRange leaves;          ///< the sensors, in leaf order
   bool is_leaf = true;
-  bool has_gloss = false;
-  bool has_both_sides = false;  ///< light from below the shading normal may be scattered
 };
 
 /// Upper bound of the weighted pattern over the cluster for the directions `to_light`, a DirectionCone or BoxDirections.
 template <std::floating_point S, class Directions>
 [[nodiscard]] inline S sup_sensor_pattern(const GatherNode<S>& node, const Directions& to_light) noexcept {
-  const S cosine = max_cosine(node.normals, to_light);
-  if (cosine <= S(0) && !node.has_both_sides) return S(0);
-  S bound = node.diffuse * std::max(S(0), cosine) * k_inv_pi<S>;
-  if (node.has_gloss) bound += node.gloss.beyond(max_cosine(node.lobes, to_light));
-  return std::min(bound, node.cap);
+  S cosine = max_cosine(node.normals, to_light);
+  if (node.pattern.has_both_sides) cosine = std::max(cosine, max_cosine(node.normals, -to_light));
+  if (!(cosine > S(0))) return S(0);
+  const S to_axis = node.pattern.is_flat ? S(1) : max_cosine(node.lobes, to_light);
+  return std::min(node.pattern.sup(to_axis, cosine), node.cap);
 }
 
 template <class Scene, class W>
@@ -48,8 +46,9 @@ class GatherTree {
  public:
   using S = typename Scene::Scalar;
 
-  /// Rebuilds the tree over `sensors` (at least one), which must outlive it.
-  void build(const std::vector<Sensor<Scene, W>>& sensors, const W& weighting);
+  /// Rebuilds the tree over `sensors` (at least one), which must outlive it. Materials are bounded by `bounds`.
+  template <PatternBounds<typename Scene::Material> B = AutomaticBounds>
+  void build(const std::vector<Sensor<Scene, W>>& sensors, const W& weighting, const B& bounds = {});
 
   [[nodiscard]] const GatherNode<S>& node(std::uint32_t i) const noexcept { return nodes_[i]; }
   [[nodiscard]] std::size_t size() const noexcept { return nodes_.size(); }
@@ -62,6 +61,9 @@ class GatherTree {
   [[nodiscard]] std::uint32_t representative(std::uint32_t i, double u) const noexcept {
     return representatives_.pick(nodes_[i].leaves, u);
   }
+  [[nodiscard]] std::array<std::uint32_t, 2> children(std::uint32_t i) const noexcept {
+    return {nodes_[i].child, nodes_[i].child + 1};
+  }
   /// The child of inner node `i` that keeps its parent's representative.
   [[nodiscard]] std::uint32_t inheriting_child(std::uint32_t i, std::uint32_t leaf) const noexcept {
     const std::uint32_t child = nodes_[i].child;
@@ -69,7 +71,8 @@ class GatherTree {
   }
 
  private:
-  [[nodiscard]] GatherNode<S> leaf(const W& weighting, std::uint32_t place) const;
+  template <class B>
+  [[nodiscard]] GatherNode<S> leaf(const W& weighting, const B& bounds, std::uint32_t place) const;
   [[nodiscard]] GatherNode<S> combine(std::uint32_t child) const;
 
   const std::vector<Sensor<Scene, W>>* sensors_ = nullptr;
@@ -79,7 +82,8 @@ class GatherTree {
 };
 
 template <class Scene, class W>
-void GatherTree<Scene, W>::build(const std::vector<Sensor<Scene, W>>& sensors, const W& weighting) {
+template <PatternBounds<typename Scene::Material> B>
+void GatherTree<Scene, W>::build(const std::vector<Sensor<Scene, W>>& sensors, const W& weighting, const B& bounds) {
   sensors_ = &sensors;
   items_.clear();
   for (std::size_t i = 0; i < sensors.size(); ++i) {
@@ -91,12 +95,14 @@ void GatherTree<Scene, W>::build(const std::vector<Sensor<Scene, W>>& sensors, c
   representatives_.append(items_);
   nodes_.assign(clusters.size(), {});
   for (std::size_t i = clusters.size(); i-- > 0;) {
-    nodes_[i] = clusters[i].is_leaf ? leaf(weighting, clusters[i].first) : combine(clusters[i].first);
+    nodes_[i] = clusters[i].is_leaf ? leaf(weighting, bounds, clusters[i].first) : combine(clusters[i].first);
   }
 }
 
 template <class Scene, class W>
-GatherNode<typename Scene::Scalar> GatherTree<Scene, W>::leaf(const W& weighting, std::uint32_t place) const {
+template <class B>
+GatherNode<typename Scene::Scalar> GatherTree<Scene, W>::leaf(const W& weighting, const B& bounds,
+                                                              std::uint32_t place) const {
   const VertexOf<Scene>& v = sensor_of_leaf(place).vertex;
   const SensorLimit<S> limit = weighting.limit(sensor_of_leaf(place).record);
   GatherNode<S> node;
@@ -107,17 +113,10 @@ GatherNode<typename Scene::Scalar> GatherTree<Scene, W>::leaf(const W& weighting
   node.saturation = saturation(v.strength);
   const Frame<S> frame = v.shading.frame();
   const Vec3<S> wo = frame.to_local(v.w);
-  const PatternBound<S> bound = pattern_bound(v.material, wo);
-  const S factor = limit.factor / v.alpha;
-  node.diffuse = bound.diffuse * factor;
-  node.has_gloss = bound.has_gloss;
-  node.has_both_sides = bound.has_both_sides;
-  if (bound.has_gloss) {
-    node.lobes = DirectionCone<S>::of(glm::normalize(frame.to_world(Vec3<S>(-wo.x, -wo.y, wo.z))));
-    for (std::size_t i = 0; i < node.gloss.values.size(); ++i) node.gloss.values[i] = bound.gloss.values[i] * factor;
-  } else {
-    node.lobes = node.normals;  // never asked; any cone that does not widen the parent's
-  }
+  node.pattern = pattern_profile(bounds, v.material, wo);
+  node.pattern.scale(limit.factor / v.alpha);
+  // The axis of a flat pattern is never asked; any cone that does not widen the parent's.
+  node.lobes = node.pattern.is_flat ? node.normals : DirectionCone<S>::of(glm::normalize(frame.to_world(mirror(wo))));
   node.cap = limit.cap < k_infinity<S> ? limit.cap * limit.factor : k_infinity<S>;
   node.remaining = limit.remaining;
   return node;
@@ -135,15 +134,12 @@ GatherNode<typename Scene::Scalar> GatherTree<Scene, W>::combine(std::uint32_t c
   node.normals = unite(a.normals, b.normals);
   node.strength += b.strength;
   node.saturation = std::max(a.saturation, b.saturation);
-  node.diffuse = std::max(a.diffuse, b.diffuse);
-  node.has_gloss = a.has_gloss || b.has_gloss;
-  node.has_both_sides = a.has_both_sides || b.has_both_sides;
-  if (a.has_gloss && b.has_gloss) {
+  if (!a.pattern.is_flat && !b.pattern.is_flat) {
     node.lobes = unite(a.lobes, b.lobes);
-  } else if (b.has_gloss) {
+  } else if (!b.pattern.is_flat) {
     node.lobes = b.lobes;
   }
-  node.gloss.extend(b.gloss);
+  node.pattern.extend(b.pattern);
   node.cap = std::max(a.cap, b.cap);
   node.remaining = std::max(a.remaining, b.remaining);
   return node;

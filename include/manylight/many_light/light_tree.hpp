@@ -3,16 +3,19 @@
 
 // The light tree of [Walter 2005, section 3.1], built top-down: binary clusters of VPLs with the bounds and the sums
 // that refinement needs. Finite lights, lights at infinity (boxes of unit directions) and exact lights (no clamp in
-// their bound) have a tree each; all roots start in the same cut. Bytes per VPL: its
-// vertex, two nodes, and 8 for drawing representatives.
+// their bound) have a tree each; all roots start in the same cut. Leaves are not stored: what a cut needs of one is
+// made from its VPL when it is asked for. Bytes per VPL: its vertex, one node, a bound of its pattern, and 8 for drawing
+// representatives.
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
 
-#include "manylight/bounds/pattern_bound.hpp"
+#include "manylight/bounds/pattern_profile.hpp"
 #include "manylight/core/direction_cone.hpp"
+#include "manylight/core/error.hpp"
 #include "manylight/core/huge_pages.hpp"
 #include "manylight/core/prefetch.hpp"
 #include "manylight/many_light/representatives.hpp"
@@ -20,16 +23,15 @@
 
 namespace manylight {
 
-/// A cluster of VPLs. Leaves hold one VPL.
+/// A cluster of VPLs. A leaf is one VPL.
 template <std::floating_point S>
 struct LightNode {
   Box<S> box;                ///< of positions, m; of unit directions towards the light if `is_infinite`
   DirectionCone<S> normals;  ///< of the geometric normals
   Rgb<S> intensity{0};       ///< sum of I, W
   S saturation = S(1);       ///< largest max_channel(I) / luminance(I) of the VPLs
-  S diffuse = S(0);          ///< D <= min(limit, diffuse max(0, cos) / pi + gloss), cos to the nearest normal
-  S gloss = S(0);            ///< sr^-1
-  std::uint32_t child = 0;   ///< index of the first child, the second follows
+  S peak = S(0);             ///< D <= min(limit, peak max(0, cos)), cos to the nearest normal, sr^-1; may be infinite
+  std::array<std::uint32_t, 2> children{};  ///< ids of the children of an inner node
   LeafRange leaves;          ///< the VPLs, in leaf order
   bool is_leaf = true;
   bool is_infinite = false;
@@ -37,47 +39,33 @@ struct LightNode {
   bool is_two_sided = false;  ///< light leaves on both sides of the normals somewhere in the cluster
 };
 
-/// Bound of D of one VPL, for a leaf.
-template <std::floating_point S, Material M>
-void set_leaf_pattern(LightNode<S>& node, const Vertex<S, M>& v) noexcept {
+/// Bound of D of one VPL; materials are bounded by `bounds`.
+template <std::floating_point S, Material M, PatternBounds<M> B>
+[[nodiscard]] inline LightPeak<S> vpl_pattern(const Vertex<S, M>& v, const B& bounds) noexcept {
   switch (v.kind) {
     case VertexKind::surface: {
-      node.normals = DirectionCone<S>::of(v.ng);
-      const Vec3<S> wi = v.shading.frame().to_local(v.w);
-      const PatternBound<S> bound = pattern_bound(v.material, wi);
-      node.diffuse = bound.diffuse / v.alpha;
-      // The profile knows |wi.ns| f; where |wo.ng| replaces it the ratio is unknown, so gloss counts as unbounded: the
-      // weighting's limit of D takes over.
-      node.gloss = bound.has_gloss ? k_infinity<S> : S(0);
-      node.is_two_sided = bound.has_both_sides;
-      break;
+      const LightPeak<S> f = light_peak(bounds, v.material, v.shading.frame().to_local(v.w));
+      return {f.peak / v.alpha, f.has_both_sides};
     }
     case VertexKind::area_emitter:
+      return {k_inv_pi<S>, false};
     case VertexKind::two_sided_area_emitter:
-      node.normals = DirectionCone<S>::of(v.ng);
-      node.diffuse = S(1);
-      node.is_two_sided = v.kind == VertexKind::two_sided_area_emitter;
-      break;
+      return {k_inv_pi<S>, true};
     case VertexKind::point_emitter:
-      node.gloss = S(0.25) * k_inv_pi<S>;
-      break;
+      return {S(0.25) * k_inv_pi<S>, false};
     case VertexKind::infinite_emitter:
-      node.gloss = k_inv_pi<S>;
-      break;
+      return {k_inv_pi<S>, false};
   }
+  return {};
 }
 
 /// Upper bound of min(D, limit) over the cluster for the directions `from_light` (away from the VPLs), a DirectionCone or
 /// BoxDirections.
 template <std::floating_point S, class Directions>
 [[nodiscard]] inline S sup_light_pattern(const LightNode<S>& node, const Directions& from_light, S limit) noexcept {
-  S cosine = S(1);
-  if (node.diffuse > S(0) || node.gloss == k_infinity<S>) {
-    cosine = max_cosine(node.normals, from_light);
-    if (node.is_two_sided) cosine = std::max(cosine, max_cosine(node.normals, -from_light));
-    if (cosine <= S(0) && !(node.gloss < k_infinity<S> && node.gloss > S(0))) return S(0);
-  }
-  return std::min(limit, node.diffuse * std::max(S(0), cosine) * k_inv_pi<S> + node.gloss);
+  S cosine = max_cosine(node.normals, from_light);
+  if (node.is_two_sided) cosine = std::max(cosine, max_cosine(node.normals, -from_light));
+  return cosine > S(0) ? std::min(limit, node.peak * cosine) : S(0);
 }
 
 template <class Scene>
@@ -86,49 +74,70 @@ class LightTree {
   using S = typename Scene::Scalar;
 
   /// Builds the trees over `vpls` and keeps them in leaf order: lights of a cluster are neighbours in memory. O(N log N),
-  /// iterative; the result depends on the order of the VPLs only.
-  template <Executor Exec>
-  LightTree(std::vector<VertexOf<Scene>> vpls, const Exec& executor);
+  /// iterative; the result depends on the order of the VPLs only. Materials are bounded by `bounds`.
+  template <Executor Exec, PatternBounds<typename Scene::Material> B = AutomaticBounds>
+  LightTree(std::vector<VertexOf<Scene>> vpls, const Exec& executor, const B& bounds = {});
 
   [[nodiscard]] const std::vector<std::uint32_t>& roots() const noexcept { return roots_; }
-  [[nodiscard]] const LightNode<S>& node(std::uint32_t i) const noexcept { return nodes_[i]; }
+  /// The cluster of that id, a root's or a child's.
+  [[nodiscard]] LightNode<S> node(std::uint32_t id) const noexcept {
+    return is_leaf(id) ? leaf_node(id & ~k_leaf) : nodes_[id];
+  }
   /// All VPLs, in leaf order.
   [[nodiscard]] std::span<const VertexOf<Scene>> vpls() const noexcept { return vpls_; }
   [[nodiscard]] std::size_t bytes() const noexcept {
-    return nodes_.size() * sizeof(LightNode<S>) + vpls_.size() * sizeof(VertexOf<Scene>) + representatives_.bytes();
+    return nodes_.size() * sizeof(LightNode<S>) + vpls_.size() * (sizeof(VertexOf<Scene>) + sizeof(S)) +
+           representatives_.bytes();
   }
 
-  void prefetch_children(std::uint32_t i) const noexcept {
-    if (!nodes_[i].is_leaf) prefetch(&nodes_[nodes_[i].child], 2 * sizeof(LightNode<S>));
+  void prefetch_children(std::uint32_t id) const noexcept {
+    if (is_leaf(id)) return;
+    for (const std::uint32_t child : nodes_[id].children) {
+      if (is_leaf(child)) {
+        prefetch_vpl(child & ~k_leaf);
+      } else {
+        prefetch(&nodes_[child], sizeof(LightNode<S>));
+      }
+    }
   }
   void prefetch_vpl(std::uint32_t leaf) const noexcept { prefetch(&vpls_[leaf], sizeof(VertexOf<Scene>)); }
-  /// Place of the VPL that `u` in [0, 1) picks to represent node `i`: P = I / I_node, by luminance.
-  [[nodiscard]] std::uint32_t representative(std::uint32_t i, double u) const noexcept {
-    return representatives_.pick(nodes_[i].leaves, u);
+  /// Place of the VPL that `u` in [0, 1) picks to represent node `id`: P = I / I_node, by luminance.
+  [[nodiscard]] std::uint32_t representative(std::uint32_t id, double u) const noexcept {
+    return is_leaf(id) ? id & ~k_leaf : representatives_.pick(nodes_[id].leaves, u);
   }
-  void prefetch_representative(std::uint32_t i, double u) const noexcept {
-    representatives_.prefetch_pick(nodes_[i].leaves, u);
+  void prefetch_representative(std::uint32_t id, double u) const noexcept {
+    if (!is_leaf(id)) representatives_.prefetch_pick(nodes_[id].leaves, u);
   }
-  /// The child of inner node `i` that keeps its parent's representative.
-  [[nodiscard]] std::uint32_t inheriting_child(std::uint32_t i, std::uint32_t leaf) const noexcept {
-    const std::uint32_t child = nodes_[i].child;
-    return leaf < nodes_[child].leaves.end ? child : child + 1;
+  /// The child of inner node `id` that keeps its parent's representative.
+  [[nodiscard]] std::uint32_t inheriting_child(std::uint32_t id, std::uint32_t leaf) const noexcept {
+    const auto [first, second] = nodes_[id].children;
+    return leaf < (is_leaf(first) ? (first & ~k_leaf) + 1 : nodes_[first].leaves.end) ? first : second;
   }
 
  private:
-  void set_leaf(LightNode<S>& node, std::uint32_t leaf) const noexcept;
+  /// Ids of leaves: this bit and the place in the leaf order. Of inner nodes: their place in `nodes_`.
+  static constexpr std::uint32_t k_leaf = 0x8000'0000U;
+  [[nodiscard]] static constexpr bool is_leaf(std::uint32_t id) noexcept { return (id & k_leaf) != 0; }
+
+  template <class B>
+  void append_tree(std::vector<ClusterItem<S>>& group, const std::vector<ClusterNode>& clusters,
+                   const std::vector<VertexOf<Scene>>& vpls, const B& bounds);
+  [[nodiscard]] LightNode<S> leaf_node(std::uint32_t leaf) const noexcept;
   void combine(LightNode<S>& parent) const noexcept;
 
   LargeVector<VertexOf<Scene>> vpls_;
+  LargeVector<S> peaks_;  ///< of D of each VPL, negative if it leaves on both sides of the normal
   LargeVector<LightNode<S>> nodes_;
   std::vector<std::uint32_t> roots_;
   Representatives<S> representatives_;
 };
 
 template <class Scene>
-template <Executor Exec>
-LightTree<Scene>::LightTree(std::vector<VertexOf<Scene>> vpls, const Exec& executor) {
+template <Executor Exec, PatternBounds<typename Scene::Material> B>
+LightTree<Scene>::LightTree(std::vector<VertexOf<Scene>> vpls, const Exec& executor, const B& bounds) {
+  require(vpls.size() < k_leaf, "number of virtual point lights", vpls.size(), "below 2^31");
   vpls_.reserve(vpls.size());
+  peaks_.reserve(vpls.size());
   std::vector<ClusterItem<S>> groups[3];
   for (std::size_t i = 0; i < vpls.size(); ++i) {
     const VertexOf<Scene>& v = vpls[i];
@@ -137,51 +146,68 @@ LightTree<Scene>::LightTree(std::vector<VertexOf<Scene>> vpls, const Exec& execu
     groups[group].push_back({v.position, axis, luminance(v.strength), static_cast<std::uint32_t>(i)});
   }
   for (std::vector<ClusterItem<S>>& group : groups) {
-    if (group.empty()) continue;
-    const std::vector<ClusterNode> clusters = split_clusters(group, executor);
-    const auto offset = static_cast<std::uint32_t>(nodes_.size());
-    const auto first_leaf = static_cast<std::uint32_t>(vpls_.size());
-    representatives_.append(group);
-    for (const ClusterItem<S>& item : group) vpls_.push_back(vpls[item.id]);
-    roots_.push_back(offset);
-    nodes_.resize(nodes_.size() + clusters.size());
-    for (std::size_t i = clusters.size(); i-- > 0;) {  // children come after their parent
-      LightNode<S>& node = nodes_[offset + i];
-      if (clusters[i].is_leaf) {
-        set_leaf(node, first_leaf + clusters[i].first);
-      } else {
-        node.is_leaf = false;
-        node.child = offset + clusters[i].first;
-        combine(node);
-      }
-    }
+    if (!group.empty()) append_tree(group, split_clusters(group, executor), vpls, bounds);
   }
 }
 
+/// The nodes of one tree, in the order of `clusters`, which puts children behind their parent, without the leaves.
 template <class Scene>
-void LightTree<Scene>::set_leaf(LightNode<S>& node, std::uint32_t leaf) const noexcept {
+template <class B>
+void LightTree<Scene>::append_tree(std::vector<ClusterItem<S>>& group, const std::vector<ClusterNode>& clusters,
+                                   const std::vector<VertexOf<Scene>>& vpls, const B& bounds) {
+  const auto first_leaf = static_cast<std::uint32_t>(vpls_.size());
+  representatives_.append(group);
+  for (const ClusterItem<S>& item : group) {
+    const VertexOf<Scene>& v = vpls[item.id];
+    const LightPeak<S> pattern = vpl_pattern(v, bounds);
+    vpls_.push_back(v);
+    peaks_.push_back(pattern.has_both_sides ? -pattern.peak : pattern.peak);
+  }
+  std::vector<std::uint32_t> ids(clusters.size());
+  auto next = static_cast<std::uint32_t>(nodes_.size());
+  for (std::size_t i = 0; i < clusters.size(); ++i) {
+    ids[i] = clusters[i].is_leaf ? k_leaf | (first_leaf + clusters[i].first) : next++;
+  }
+  nodes_.resize(next);
+  for (std::size_t i = clusters.size(); i-- > 0;) {
+    if (clusters[i].is_leaf) continue;
+    LightNode<S>& node = nodes_[ids[i]];
+    node.is_leaf = false;
+    node.children = {ids[clusters[i].first], ids[clusters[i].first + 1]};
+    combine(node);
+  }
+  roots_.push_back(ids[0]);
+}
+
+template <class Scene>
+LightNode<typename Scene::Scalar> LightTree<Scene>::leaf_node(std::uint32_t leaf) const noexcept {
   const VertexOf<Scene>& v = vpls_[leaf];
+  LightNode<S> node;
   node.leaves = {leaf, leaf + 1};
   node.box.extend(v.position);
   node.intensity = v.strength;
   node.saturation = saturation(v.strength);
   node.is_infinite = v.is_infinite();
   node.is_exact = v.exact;
-  set_leaf_pattern(node, v);
+  node.peak = std::abs(peaks_[leaf]);
+  node.is_two_sided = peaks_[leaf] < S(0);
+  // An emitter without a normal keeps the full cone: its D does not depend on the direction.
+  const bool has_normal = v.kind != VertexKind::point_emitter && v.kind != VertexKind::infinite_emitter;
+  if (has_normal) node.normals = DirectionCone<S>::of(v.ng);
+  return node;
 }
 
 template <class Scene>
 void LightTree<Scene>::combine(LightNode<S>& parent) const noexcept {
-  const LightNode<S>& a = nodes_[parent.child];
-  const LightNode<S>& b = nodes_[parent.child + 1];
+  const LightNode<S> a = node(parent.children[0]);
+  const LightNode<S> b = node(parent.children[1]);
   parent.leaves = {a.leaves.begin, b.leaves.end};
   parent.box = a.box;
   parent.box.extend(b.box);
   parent.normals = unite(a.normals, b.normals);
   parent.intensity = a.intensity + b.intensity;
   parent.saturation = std::max(a.saturation, b.saturation);
-  parent.diffuse = std::max(a.diffuse, b.diffuse);
-  parent.gloss = std::max(a.gloss, b.gloss);
+  parent.peak = std::max(a.peak, b.peak);
   parent.is_infinite = a.is_infinite;
   parent.is_exact = a.is_exact || b.is_exact;
   parent.is_two_sided = a.is_two_sided || b.is_two_sided;

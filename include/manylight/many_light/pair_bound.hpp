@@ -38,6 +38,7 @@ template <std::floating_point S>
   if (!(d > S(0))) return S(0);
   const S squared = light.is_infinite ? sqr(limits.scene_radius) : min_squared_length(vectors);
   const S weighted_d = d < limits.light ? d * gather.remaining : limits.light;
+  if (!(weighted_d > S(0))) return S(0);  // m may be infinite
   const S bound = squared > S(0) ? m * weighted_d / squared : k_infinity<S>;
   const S rounding = S(1) + S(64) * std::numeric_limits<S>::epsilon();
   return light.is_exact ? bound * rounding : std::min(bound * rounding, limits.clamp);

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <utility>
 
-#include "manylight/bounds/pattern_bound.hpp"
+#include "manylight/bounds/automatic.hpp"
 #include "manylight/path/connect.hpp"
 #include "manylight/path/walk.hpp"
 #include "manylight/path/weighting.hpp"
@@ -25,8 +25,8 @@ struct Sensor {
 template <std::floating_point S, Material M>
 [[nodiscard]] inline S sup_sensor_d(const Vertex<S, M>& v) noexcept {
   const Vec3<S> wo = v.shading.frame().to_local(v.w);
-  if (!(std::abs(wo.z) > S(0))) return S(0);
-  return sup_eval_cos_wo(v.material, wo) * std::abs(glm::dot(v.w, v.ng) / wo.z) / v.alpha;
+  const S cosine = std::abs(glm::dot(v.w, v.ng));
+  return cosine > S(0) ? AutomaticBounds{}.sup(v.material, DirectionSet<S>(), wo).eval * cosine / v.alpha : S(0);
 }
 
 /// Traces one eye subpath from the camera ray and hands its parts to `visitor`:
