@@ -64,6 +64,7 @@ TYPED_TEST(GatherTrees, PatternBoundHoldsForEveryMember) {
   RandomVertices<S> random(14);
   int positive = 0;
   int finite_bounds = 0;
+  int tighter = 0;
   for (int round = 0; round < 150; ++round) {
     WeightingConfig<S> config;
     config.c_clamp = random.log_uniform(1e-3, 10);
@@ -72,6 +73,8 @@ TYPED_TEST(GatherTrees, PatternBoundHoldsForEveryMember) {
     typename TestFixture::Tree tree;
     tree.build(sensors, weighting);
     ASSERT_EQ(tree.size(), 2 * sensors.size() - 1);
+    typename TestFixture::Tree mapped;
+    mapped.build(sensors, weighting, CubeMapBounds<>{});
     for (std::uint32_t i = 0; i < tree.size(); ++i) {
       const GatherNode<S>& node = tree.node(i);
       std::vector<std::uint32_t> inside;
@@ -84,16 +87,17 @@ TYPED_TEST(GatherTrees, PatternBoundHoldsForEveryMember) {
         const Vec3<S> n = some.shading.normal();
         const Vec3<S> mirror = glm::normalize(n * (2 * glm::dot(n, some.w)) - some.w);
         const Vec3<S> axis = k % 2 == 0 ? random.direction() : glm::normalize(mirror + random.direction() * S(0.05));
-        const S half = k < 2 ? S(0) : random.log_uniform(1e-4, 1);
-        const S bound = sup_sensor_pattern(node, DirectionCone<S>{axis, std::cos(half), std::sin(half)});
+        const Vec3<S> half = k < 2 ? Vec3<S>(0) : Vec3<S>(random.log_uniform(1e-4, 1), random.log_uniform(1e-4, 1),
+                                                            random.log_uniform(1e-4, 1));
+        const BoxDirections<S> box(Box<S>{axis * S(1.2) - half, axis * S(1.2) + half});
+        const S by_profile = sup_sensor_pattern(node, box);
+        const S bound = sup_sensor_pattern(mapped.node(i), box);
+        ASSERT_LE(bound, by_profile);
+        tighter += bound < S(0.8) * by_profile ? 1 : 0;
         finite_bounds += bound < k_infinity<S> ? 1 : 0;
         for (const std::uint32_t m : inside) {
-          const S angle = half * random.uniform();
-          const S phi = random.uniform(0, 6.283);
-          const Vec3<S> wi =
-              half == S(0) ? axis
-                           : glm::normalize(Frame<S>(axis).to_world(Vec3<S>(
-                                 std::sin(angle) * std::cos(phi), std::sin(angle) * std::sin(phi), std::cos(angle))));
+          const Vec3<S> offset(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1));
+          const Vec3<S> wi = glm::normalize(axis * S(1.2) + offset * half);
           const SensorPatterns<S> pattern = sensor_patterns(sensors[m].vertex, wi);
           const S p = max_channel(pattern.m);
           positive += p > S(0) ? 1 : 0;
@@ -112,6 +116,7 @@ TYPED_TEST(GatherTrees, PatternBoundHoldsForEveryMember) {
   }
   EXPECT_GT(positive, 10000);
   EXPECT_GT(finite_bounds, 10000);
+  EXPECT_GT(tighter, 1000);  // maps are worth something
 }
 
 TYPED_TEST(GatherTrees, NodesHoldTheirMembers) {

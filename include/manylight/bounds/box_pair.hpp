@@ -56,6 +56,9 @@ class BoxDirections {
     return opposite;
   }
 
+  /// The vectors' box, a little wider.
+  [[nodiscard]] Box<S> box() const noexcept { return {center_ - half_ - rounding_, center_ + half_ + rounding_}; }
+
   /// Upper bound of cos(angle(u, p)) for u in `axes`, p in the box. A cosine over the box [theory 6.1, Walter 2005], by
   /// intervals in a frame around the axis; then the turn by the axes' half-angle. Tight where a cone around the box is
   /// not: for flat boxes, such as those of two pieces of wall.

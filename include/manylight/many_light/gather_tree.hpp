@@ -8,7 +8,9 @@
 #include <cstdint>
 #include <vector>
 
+#include "manylight/bounds/box_pair.hpp"
 #include "manylight/bounds/pattern_profile.hpp"
+#include "manylight/bounds/sensor_map.hpp"
 #include "manylight/core/direction_cone.hpp"
 #include "manylight/many_light/representatives.hpp"
 #include "manylight/path/eye_subpath.hpp"
@@ -24,6 +26,7 @@ struct GatherNode {
   Rgb<S> strength{0};        ///< sum of S
   S saturation = S(1);       ///< largest max_channel(S) / luminance(S) of the sensors
   PatternProfile<S> pattern;  ///< of M
+  const CubeMap<S>* map = nullptr;  ///< of M, where a CubeMapBounds makes them
   S cap = S(0);              ///< limit of the weighted pattern, sr^-1; infinite if nothing is known
   S remaining = S(0);        ///< largest 1 - W of the sensors, see SensorLimit
   std::uint32_t child = 0;   ///< index of the first child, the second follows
@@ -31,14 +34,15 @@ struct GatherNode {
   bool is_leaf = true;
 };
 
-/// Upper bound of the weighted pattern over the cluster for the directions `to_light`, a DirectionCone or BoxDirections.
-template <std::floating_point S, class Directions>
-[[nodiscard]] inline S sup_sensor_pattern(const GatherNode<S>& node, const Directions& to_light) noexcept {
+/// Upper bound of the weighted pattern over the cluster for the directions `to_light`.
+template <std::floating_point S>
+[[nodiscard]] inline S sup_sensor_pattern(const GatherNode<S>& node, const BoxDirections<S>& to_light) noexcept {
   S cosine = max_cosine(node.normals, to_light);
   if (node.pattern.has_both_sides) cosine = std::max(cosine, max_cosine(node.normals, -to_light));
   if (!(cosine > S(0))) return S(0);
   const S to_axis = node.pattern.is_flat ? S(1) : max_cosine(node.lobes, to_light);
-  return std::min(node.pattern.sup(to_axis, cosine), node.cap);
+  const S bound = std::min(node.pattern.sup(to_axis, cosine), node.cap);
+  return node.map == nullptr ? bound : std::min(bound, node.map->sup(to_light.box()));
 }
 
 template <class Scene, class W>
@@ -74,10 +78,13 @@ class GatherTree {
   template <class B>
   [[nodiscard]] GatherNode<S> leaf(const W& weighting, const B& bounds, std::uint32_t place) const;
   [[nodiscard]] GatherNode<S> combine(std::uint32_t child) const;
+  template <class B>
+  void add_maps(const W& weighting, const CubeMapBounds<B>& bounds);
 
   const std::vector<Sensor<Scene, W>>* sensors_ = nullptr;
   std::vector<ClusterItem<S>> items_;
   std::vector<GatherNode<S>> nodes_;
+  std::vector<CubeMap<S>> maps_;  ///< one per node, or unused
   Representatives<S> representatives_;
 };
 
@@ -96,6 +103,9 @@ void GatherTree<Scene, W>::build(const std::vector<Sensor<Scene, W>>& sensors, c
   nodes_.assign(clusters.size(), {});
   for (std::size_t i = clusters.size(); i-- > 0;) {
     nodes_[i] = clusters[i].is_leaf ? leaf(weighting, bounds, clusters[i].first) : combine(clusters[i].first);
+  }
+  if constexpr (k_maps_patterns<B>) {
+    if (!nodes_[0].pattern.is_flat) add_maps(weighting, bounds);  // flat ones are bounded by their cosine well enough
   }
 }
 
@@ -143,6 +153,24 @@ GatherNode<typename Scene::Scalar> GatherTree<Scene, W>::combine(std::uint32_t c
   node.cap = std::max(a.cap, b.cap);
   node.remaining = std::max(a.remaining, b.remaining);
   return node;
+}
+
+template <class Scene, class W>
+template <class B>
+void GatherTree<Scene, W>::add_maps(const W& weighting, const CubeMapBounds<B>& bounds) {
+  if (maps_.size() < nodes_.size()) maps_.resize(nodes_.size());
+  for (std::size_t i = nodes_.size(); i-- > 0;) {  // children come after their parent
+    GatherNode<S>& node = nodes_[i];
+    if (node.is_leaf) {
+      const Sensor<Scene, W>& sensor = sensor_of_leaf(node.leaves.begin);
+      const VertexOf<Scene>& v = sensor.vertex;
+      const S factor = weighting.limit(sensor.record).factor / v.alpha;
+      build_sensor_map(bounds, v.material, v.shading.frame(), v.w, factor, maps_[i]);
+    } else {
+      maps_[i].merge(maps_[node.child], maps_[node.child + 1], bounds.limits.nodes);
+    }
+    node.map = &maps_[i];
+  }
 }
 
 }  // namespace manylight
