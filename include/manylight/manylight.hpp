@@ -54,6 +54,7 @@
 #include "manylight/scattering/plastic.hpp"
 #include "manylight/scattering/rough_plastic.hpp"
 #include "manylight/scattering/rough_transmittance.hpp"
+#include "manylight/scattering/slope_range.hpp"
 #include "manylight/scattering/texture.hpp"
 #include "manylight/scattering/validation.hpp"
 #include "manylight/scattering/ward.hpp"

@@ -9,6 +9,7 @@
 
 #include <cmath>
 #include <random>
+#include <utility>
 
 #include "manylight/core/interval_math.hpp"
 
@@ -186,6 +187,44 @@ TYPED_TEST(Intervals, GaussSlope) {
   check(*this, not_negative, positive_point, formula, formula, plain);
 }
 
+// Planted bugs seen to fail: PLANTED_GS2.
+TYPED_TEST(Intervals, GaussSlopeOfTwoAxes) {
+  using S = TypeParam;
+  for (const auto& [p, q] : {std::pair<S, S>(S(0.3), S(40)), {S(6.25), S(1.5)}}) {
+    const auto formula = [p = p, q = q](const auto& x, const auto& y) { return gauss_slope(x, y, p, q); };
+    const auto exact = [p = p, q = q](Wide x, Wide y) { return (1 + x + y) * exp(-(Wide(p) * x + Wide(q) * y)); };
+    const auto plain = [p = p, q = q](S x, S y) {  // the same limit as above
+      return p * x + q * y < S(80) ? gauss_slope(x, y, p, q) : std::numeric_limits<S>::quiet_NaN();
+    };
+    check(*this, not_negative, not_negative, formula, exact, plain);
+  }
+}
+// Planted bugs seen to fail: PLANTED_SR.
+TYPED_TEST(Intervals, SlopeRatio) {
+  const auto formula = [](const auto& t, const auto& q) { return slope_ratio(t, q); };
+  const auto exact = [](Wide t, Wide q) { return (1 + t) / (1 + q * t); };
+  check(*this, not_negative, not_negative, formula, exact, formula);
+  check(*this, not_negative, positive_point, formula, exact, formula);
+}
+TYPED_TEST(Intervals, SlopeRatioOfTwoAxes) {
+  using S = TypeParam;
+  for (const auto& [p, q] : {std::pair<S, S>(S(0.3), S(40)), {S(6.25), S(1.5)}}) {
+    const auto formula = [p = p, q = q](const auto& x, const auto& y) { return slope_ratio(x, y, p, q); };
+    const auto exact = [p = p, q = q](Wide x, Wide y) { return (1 + x + y) / (1 + Wide(p) * x + Wide(q) * y); };
+    check(*this, not_negative, not_negative, formula, exact, formula);
+  }
+}
+// Planted bug seen to fail: PLANTED_WIDEN.
+TYPED_TEST(Intervals, Widening) {
+  using S = TypeParam;
+  const auto below = [](Wide x, Wide) { return x - Wide(1e-3) * std::abs(x); };
+  const auto above = [](Wide x, Wide) { return x + Wide(1e-3) * std::abs(x); };
+  const auto unchanged = [](S x, S) { return x; };
+  const auto widened = [](const auto& x, const auto&) { return widen(x, S(1.1e-3)); };
+  check(*this, everywhere, point, widened, below, unchanged);
+  check(*this, everywhere, point, widened, above, unchanged);
+}
+
 // Enclosures that are far too wide would pass above. Planted bug seen to fail: a step of 8 times the size.
 TYPED_TEST(Intervals, AreTight) {
   using S = TypeParam;
@@ -214,6 +253,12 @@ TYPED_TEST(Intervals, AreTight) {
     ASSERT_TRUE(is_near(ratio_peak(x, y.lo), std::min(ratio(a, c), ratio(b, c)), most, 8));  // margin of 4, rounding
     const auto gauss = [](Wide t, Wide q) { return (1 + t) * std::exp(-q * t); };
     const Wide top = gauss(std::clamp(1 / c - 1, a, b), c);
+    const auto two = [](Wide u, Wide v) { return (1 + u + v) * std::exp(-2 * u - 3 * v); };  // falls from the corner
+    ASSERT_TRUE(is_near(gauss_slope(x, y, S(2), S(3)), 0, two(a, c), 256));  // margin with exponents <= 20, twice
+    const auto part = [](Wide t, Wide q) { return (1 + t) / (1 + q * t); };
+    ASSERT_TRUE(is_near(slope_ratio(x, y.lo), std::min(part(a, c), part(b, c)), std::max(part(a, c), part(b, c)), 16));
+    const auto parts = [](Wide u, Wide v) { return (1 + u + v) / (1 + 2 * u + Wide(2.125) * v); };  // falls here
+    ASSERT_TRUE(is_near(slope_ratio(x, y, S(2), S(2.125)), parts(b, d), parts(a, c), 16));  // margin of 8, rounding
     ASSERT_TRUE(is_near(gauss_slope(x, y.lo), std::min(gauss(a, c), gauss(b, c)), top, 64));  // margin with q t <= 18
   }
 }

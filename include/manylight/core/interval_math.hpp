@@ -125,6 +125,12 @@ template <std::floating_point S>
   return {std::clamp(x.lo, lo, hi), std::clamp(x.hi, lo, hi)};
 }
 
+/// `x` widened by that relative error, for what is computed by other operations than its bound.
+template <std::floating_point S>
+[[nodiscard]] inline Interval<S> widen(const Interval<S>& x, std::type_identity_t<S> relative) noexcept {
+  return {detail::down(x.lo, relative), detail::up(x.hi, relative)};
+}
+
 // ---- composites with a maximum inside -------------------------------------------------------------------------------
 
 /// c / (c + c0)^2 for c, c0 >= 0: the cosine over the squared sum of cosines of slope-based lobes. It rises up to c =
@@ -176,6 +182,71 @@ template <std::floating_point S>
   const S q_to = max0(q.hi);
   const S least = q_to == k_infinity<S> ? S(0) : std::min(value(from, q_to, S(-1)), value(to, q_to, S(-1)));
   return {least, value(std::clamp(peak, from, to), q_from, S(1))};
+}
+
+/// (1 + x + y) exp(-p x - q y) for x, y >= 0: the same of squared slopes along two axes of unequal roughness (x + y = t,
+/// p and q = 1 / alpha^2). Its logarithm is concave; for a given x + y it is largest with as much as possible on the
+/// axis of the lower rate, so that the maximum over a box goes along that axis first.
+template <std::floating_point S>
+[[nodiscard]] inline S gauss_slope(S x, S y, S p, S q) noexcept {
+  return (S(1) + x + y) * std::exp(-(p * x + q * y));
+}
+template <std::floating_point S>
+[[nodiscard]] inline Interval<S> gauss_slope(const Interval<S>& x, const Interval<S>& y, S p, S q) noexcept {
+  const bool x_is_slow = p <= q;
+  const Interval<S> slow = max0(x_is_slow ? x : y);
+  const Interval<S> fast = max0(x_is_slow ? y : x);
+  const S slow_rate = x_is_slow ? p : q;
+  const S fast_rate = x_is_slow ? q : p;
+  // By the logarithm, with a margin for the rounding of exponents, as above.
+  const auto value = [&](S a, S b, S rise_a, S rise_b, S sign) {
+    const S fall = std::min(slow_rate * a + fast_rate * b, S(1e4));
+    const S rise = std::log1p(std::min(rise_a + rise_b, std::numeric_limits<S>::max()));
+    const S margin = (S(8) + S(4) * (fall + S(2) * rise)) * std::numeric_limits<S>::epsilon();
+    const S result = std::exp(rise - fall);
+    return sign < S(0) ? detail::down_to_zero(result, margin) : detail::up_from_tiny(result, margin);
+  };
+  const S a = std::clamp(S(1) / slow_rate - S(1) - fast.lo, slow.lo, slow.hi);
+  const S b = std::clamp(S(1) / fast_rate - S(1) - a, fast.lo, fast.hi);
+  // The lower end takes each factor at its worst: it is loose for wide boxes.
+  return {value(slow.hi, fast.hi, slow.lo, fast.lo, S(-1)), value(a, b, a, b, S(1))};
+}
+
+/// (1 + t) / (1 + q t) for t, q >= 0: the same of slopes whose distribution falls like a power. Monotone in either.
+template <std::floating_point S>
+[[nodiscard]] constexpr S slope_ratio(S t, std::type_identity_t<S> q) noexcept {
+  return t > S(1) ? (S(1) + S(1) / t) / (q + S(1) / t) : (S(1) + t) / (S(1) + q * t);  // products could overflow
+}
+template <std::floating_point S>
+[[nodiscard]] inline Interval<S> slope_ratio(const Interval<S>& t, const std::type_identity_t<Interval<S>>& q) noexcept {
+  constexpr S k_margin = S(8) * std::numeric_limits<S>::epsilon();
+  const S from = max0(t.lo);
+  const S to = max0(t.hi);
+  const S q_from = max0(q.lo);
+  const S q_to = max0(q.hi);
+  const S most = std::max(slope_ratio(from, q_from), slope_ratio(to, q_from));
+  const S least = q_to == k_infinity<S> ? S(0) : std::min(slope_ratio(from, q_to), slope_ratio(to, q_to));
+  return {detail::down_to_zero(least, k_margin), detail::up_from_tiny(most, k_margin)};
+}
+
+/// (1 + x + y) / (1 + p x + q y) for x, y >= 0; p, q > 0. Along each axis the sign of the slope depends on the other
+/// alone: the extremes over a box are at its corners.
+template <std::floating_point S>
+[[nodiscard]] constexpr S slope_ratio(S x, S y, S p, S q) noexcept {
+  if (x == k_infinity<S>) return S(1) / p;  // both infinite: anything from 1 / p to 1 / q
+  if (y == k_infinity<S>) return S(1) / q;
+  const S most = std::max(S(1), std::max(x, y));  // products could overflow
+  return (S(1) / most + x / most + y / most) / (S(1) / most + p * (x / most) + q * (y / most));
+}
+template <std::floating_point S>
+[[nodiscard]] inline Interval<S> slope_ratio(const Interval<S>& x, const Interval<S>& y, S p, S q) noexcept {
+  constexpr S k_margin = S(8) * std::numeric_limits<S>::epsilon();
+  const Interval<S> u = max0(x);
+  const Interval<S> v = max0(y);
+  const S corners[4] = {slope_ratio(u.lo, v.lo, p, q), slope_ratio(u.hi, v.lo, p, q), slope_ratio(u.lo, v.hi, p, q),
+                        slope_ratio(u.hi, v.hi, p, q)};
+  return {detail::down_to_zero(*std::min_element(corners, corners + 4), k_margin),
+          detail::up_from_tiny(*std::max_element(corners, corners + 4), k_margin)};
 }
 
 }  // namespace manylight

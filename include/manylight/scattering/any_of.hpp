@@ -48,8 +48,15 @@ class AnyOf {
     });
   }
 
-  [[nodiscard]] Rgb<S> eval(const Vec3<S>& wi, const Vec3<S>& wo) const noexcept {
-    return visit([&](const auto& m) { return m.eval(wi, wo); });
+  /// Of vectors the BSDF; of direction sets a range that holds its values, see `eval_over`.
+  template <LocalDirection<S> Wi = Vec3<S>, LocalDirection<S> Wo = Vec3<S>>
+  [[nodiscard]] auto eval(const Wi& wi, const Wo& wo) const noexcept {
+    return visit([&](const auto& m) { return eval_over(m, wi, wo); });
+  }
+  /// The BSDF times |wi.z|, see `eval_cos_over`.
+  template <LocalDirection<S> Wi = Vec3<S>, LocalDirection<S> Wo = Vec3<S>>
+  [[nodiscard]] auto eval_cos(const Wi& wi, const Wo& wo) const noexcept {
+    return visit([&](const auto& m) { return eval_cos_over(m, wi, wo); });
   }
   [[nodiscard]] std::optional<DirectionSample<S>> sample(const Vec3<S>& known, Walk walk, S u_lobe,
                                                          const Vec2<S>& u) const noexcept {

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "manylight/core/direction_set.hpp"
+#include "manylight/core/interval_math.hpp"
 #include "manylight/core/rgb_interval.hpp"
 #include "manylight/core/spectrum.hpp"
 #include "manylight/core/vector.hpp"
@@ -68,6 +69,17 @@ template <Material M, LocalDirection<typename M::Scalar> Wi, LocalDirection<type
   } else {
     const Interval<S> anything(S(0), k_infinity<S>);
     return RgbInterval<S>(anything, anything, anything);
+  }
+}
+
+/// The same of the BSDF times |wi.z|: `m.eval_cos(wi, wo)` if the material has it, which it should where the range of
+/// the product is much closer than the product of the ranges.
+template <Material M, LocalDirection<typename M::Scalar> Wi, LocalDirection<typename M::Scalar> Wo>
+[[nodiscard]] inline auto eval_cos_over(const M& m, const Wi& wi, const Wo& wo) noexcept {
+  if constexpr (requires { m.eval_cos(wi, wo); }) {
+    return m.eval_cos(wi, wo);
+  } else {
+    return eval_over(m, wi, wo) * PatternScalar<Wi, Wo, typename M::Scalar>(abs(wi.z));
   }
 }
 

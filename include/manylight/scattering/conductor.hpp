@@ -3,6 +3,7 @@
 
 #include <optional>
 
+#include "manylight/core/rgb_interval.hpp"
 #include "manylight/scattering/fresnel.hpp"
 #include "manylight/scattering/microfacet.hpp"
 
@@ -18,8 +19,9 @@ struct Mirror {
   /// Throws ParameterError.
   void validate() const { check::reflectance("Mirror reflectance", reflectance); }
 
-  [[nodiscard]] static constexpr Rgb<S> eval(const Vec3<S>& /*wi*/, const Vec3<S>& /*wo*/) noexcept {
-    return Rgb<S>(0);
+  template <LocalDirection<S> Wi = Vec3<S>, LocalDirection<S> Wo = Vec3<S>>
+  [[nodiscard]] static constexpr auto eval(const Wi& /*wi*/, const Wo& /*wo*/) noexcept {
+    return PatternColour<Wi, Wo, S>(S(0));
   }
   [[nodiscard]] std::optional<DirectionSample<S>> sample(const Vec3<S>& known, Walk, S /*u_lobe*/,
                                                          const Vec2<S>& /*u*/) const noexcept {
@@ -58,8 +60,9 @@ struct SmoothConductor {
     check::reflectance("SmoothConductor specular", specular);
   }
 
-  [[nodiscard]] static constexpr Rgb<S> eval(const Vec3<S>& /*wi*/, const Vec3<S>& /*wo*/) noexcept {
-    return Rgb<S>(0);
+  template <LocalDirection<S> Wi = Vec3<S>, LocalDirection<S> Wo = Vec3<S>>
+  [[nodiscard]] static constexpr auto eval(const Wi& /*wi*/, const Wo& /*wo*/) noexcept {
+    return PatternColour<Wi, Wo, S>(S(0));
   }
   [[nodiscard]] std::optional<DirectionSample<S>> sample(const Vec3<S>& known, Walk, S /*u_lobe*/,
                                                          const Vec2<S>& /*u*/) const noexcept {
@@ -102,14 +105,29 @@ struct RoughConductor {
     check::reflectance("RoughConductor specular", specular);
   }
 
-  [[nodiscard]] Rgb<S> eval(const Vec3<S>& wi, const Vec3<S>& wo) const noexcept {
-    if (!local::both_above(wi, wo)) return Rgb<S>(0);
-    const MicrofacetDistribution<S> facets = microfacets();
-    const Vec3<S> h = local::half_vector(wi, wo);
-    const S density = facets.density(h);
-    if (!(density > S(0))) return Rgb<S>(0);
-    const S value = S(0.25) * density * facets.masking_over_cos(wi) * facets.masking_over_cos(wo);
-    return specular * fresnel_conductor(glm::dot(wo, h), eta, k) * value;
+  /// Of vectors the BSDF; of direction sets the range of its values over them.
+  template <LocalDirection<S> Wi = Vec3<S>, LocalDirection<S> Wo = Vec3<S>>
+  [[nodiscard]] auto eval(const Wi& wi, const Wo& wo) const noexcept {
+    if constexpr (std::is_same_v<PatternScalar<Wi, Wo, S>, S>) {
+      if (!local::both_above(wi, wo)) return Rgb<S>(0);
+      const MicrofacetDistribution<S> facets = microfacets();
+      const Vec3<S> h = local::half_vector(wi, wo);
+      const S density = facets.density(h);
+      if (!(density > S(0))) return Rgb<S>(0);
+      const S value = S(0.25) * density * facets.masking_over_cos(wi) * facets.masking_over_cos(wo);
+      return specular * fresnel_conductor(glm::dot(wo, h), eta, k) * value;
+    } else {
+      return range_with(wi, wo, [](const auto& facets, const Wi& w) { return facets.masking_over_cos(w); });
+    }
+  }
+  /// The BSDF times |wi.z|: its range has G1(wi) <= 1 in place of G1(wi) / wi.z.
+  template <LocalDirection<S> Wi = Vec3<S>, LocalDirection<S> Wo = Vec3<S>>
+  [[nodiscard]] auto eval_cos(const Wi& wi, const Wo& wo) const noexcept {
+    if constexpr (std::is_same_v<PatternScalar<Wi, Wo, S>, S>) {
+      return eval(wi, wo) * std::abs(wi.z);
+    } else {
+      return range_with(wi, wo, [](const auto& facets, const Wi& w) { return facets.masking(w); });
+    }
   }
 
   /// Reflects about a visible normal; what leaves below the surface is rejected.
@@ -148,6 +166,17 @@ struct RoughConductor {
     const MicrofacetDistribution<S> facets = microfacets();
     return max_channel(specular) * S(0.25) * facets.sup_density(local::min_half_tan2(theta)) *
            facets.masking_over_cos(wo);
+  }
+
+ private:
+  template <class Wi, class Wo, class Masking>
+  [[nodiscard]] RgbInterval<S> range_with(const Wi& wi, const Wo& wo, const Masking& masking) const noexcept {
+    return when(wi.z > S(0) && wo.z > S(0), [&] {
+      const MicrofacetDistribution<S> facets = microfacets();
+      const Interval<S> value = facets.density_of_half(wi, wo) * (S(0.25) * Interval<S>(masking(facets, wi))) *
+                                Interval<S>(facets.masking_over_cos(wo));
+      return specular * fresnel_conductor(local::cos_to_half(wi, wo), eta, k) * widen(value, facets.k_rounding);
+    });
   }
 };
 

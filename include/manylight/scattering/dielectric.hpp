@@ -3,6 +3,7 @@
 
 #include <optional>
 
+#include "manylight/core/rgb_interval.hpp"
 #include "manylight/scattering/fresnel.hpp"
 #include "manylight/scattering/local_geometry.hpp"
 #include "manylight/scattering/validation.hpp"
@@ -27,8 +28,9 @@ struct Dielectric {
     check::reflectance("Dielectric specular_transmittance", specular_transmittance);
   }
 
-  [[nodiscard]] static constexpr Rgb<S> eval(const Vec3<S>& /*wi*/, const Vec3<S>& /*wo*/) noexcept {
-    return Rgb<S>(0);
+  template <LocalDirection<S> Wi = Vec3<S>, LocalDirection<S> Wo = Vec3<S>>
+  [[nodiscard]] static constexpr auto eval(const Wi& /*wi*/, const Wo& /*wo*/) noexcept {
+    return PatternColour<Wi, Wo, S>(S(0));
   }
 
   /// Chooses reflection with the probability of its share of the energy.
@@ -92,8 +94,9 @@ struct ThinDielectric {
     return S(2) * r / (S(1) + r);
   }
 
-  [[nodiscard]] static constexpr Rgb<S> eval(const Vec3<S>& /*wi*/, const Vec3<S>& /*wo*/) noexcept {
-    return Rgb<S>(0);
+  template <LocalDirection<S> Wi = Vec3<S>, LocalDirection<S> Wo = Vec3<S>>
+  [[nodiscard]] static constexpr auto eval(const Wi& /*wi*/, const Wo& /*wo*/) noexcept {
+    return PatternColour<Wi, Wo, S>(S(0));
   }
   [[nodiscard]] std::optional<DirectionSample<S>> sample(const Vec3<S>& known, Walk, S u_lobe,
                                                          const Vec2<S>& /*u*/) const noexcept {

@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 
 #include "manylight/core/direction_set.hpp"
+#include "manylight/core/interval_math.hpp"
 #include "manylight/core/vector.hpp"
 #include "manylight/scattering/concepts.hpp"
 
@@ -18,6 +20,15 @@ using manylight::mirror;
 template <std::floating_point S>
 [[nodiscard]] constexpr bool both_above(const Vec3<S>& wi, const Vec3<S>& wo) noexcept {
   return wi.z > S(0) && wo.z > S(0);
+}
+
+/// Cosine of the angle between either of two directions and their half vector, half of that between them: over sets
+/// closer than the dot product with the set of half vectors, which forgets that the half vector moves along.
+template <class Wi, class Wo>
+[[nodiscard]] inline auto cos_to_half(const Wi& wi, const Wo& wo) noexcept {
+  const auto cosine = manylight::dot(wi, wo);
+  using Cosine = std::remove_const_t<decltype(cosine)>;
+  return manylight::sqrt(manylight::max0(Cosine(0.5f) * (Cosine(1.0f) + cosine)));
 }
 
 /// Squared sine of the angle to the normal, without the cancellation of 1 - z^2.

@@ -8,6 +8,7 @@
 #include "manylight/core/warp.hpp"
 #include "manylight/scattering/inverse_erf.hpp"
 #include "manylight/scattering/local_geometry.hpp"
+#include "manylight/scattering/slope_range.hpp"
 #include "manylight/scattering/validation.hpp"
 
 namespace manylight {
@@ -20,6 +21,8 @@ enum class MicrofacetType : std::uint8_t { beckmann, ggx };
 /// masking-shadowing function in microfacet-based BRDFs"]
 template <std::floating_point S>
 struct MicrofacetDistribution {
+  /// Relative error of formulas against bounds by other operations, unit vectors that are so by 2 epsilon included.
+  static constexpr S k_rounding = S(24) * std::numeric_limits<S>::epsilon();
   MicrofacetType type = MicrofacetType::beckmann;
   S alpha_u = S(0.1);  ///< roughness along local x; of Beckmann the root mean square slope
   S alpha_v = S(0.1);  ///< along local y
@@ -35,21 +38,52 @@ struct MicrofacetDistribution {
     return gauss > S(0) ? gauss / (area * z2 * z2) : S(0);
   }
 
+  /// Range of D over the half vectors of two directions or sets, on the upper side. With t = tan^2 and e = t q the
+  /// scaled one, GGX ((1 + t) / (1 + e))^2 / area, Beckmann ((1 + t) exp(-e / 2))^2 / area.
+  template <class Wi, class Wo>
+  [[nodiscard]] Interval<S> density_of_half(const Wi& wi, const Wo& wo) const noexcept {
+    const SlopeRange<S> slope(wi, wo, alpha_u, alpha_v);
+    const Interval<S> root = type == MicrofacetType::ggx ? slope.slope_ratio() : slope.gauss_slope(S(0.5));
+    return widen(sqr(root) / Interval<S>(k_pi<S> * alpha_u * alpha_v), k_rounding);
+  }
+  [[nodiscard]] S density_of_half(const Vec3<S>& wi, const Vec3<S>& wo) const noexcept {
+    return density(local::half_vector(wi, wo));
+  }
+
   /// Masking G1(w) / |w.z|: the quotient stays finite where both vanish. Of the directions of one side.
   /// GGX: 2 / (c + sqrt(c^2 + s^2)) with s^2 = (alpha_u x)^2 + (alpha_v y)^2. Beckmann: with a = c / s, the Smith
   /// integral c (1 + Lambda) = (c (1 + erf a) + s exp(-a^2) / sqrt(pi)) / 2, used exactly.
   [[nodiscard]] S masking_over_cos(const Vec3<S>& w) const noexcept {
-    const S c = std::abs(w.z);
-    const S s = std::sqrt(sqr(alpha_u * w.x) + sqr(alpha_v * w.y));
-    if (type == MicrofacetType::ggx) return S(2) / (c + std::sqrt(c * c + s * s));
-    if (c > S(6) * s) return S(1) / c;  // erfc(6) = 2e-17
-    const S a = c / s;
-    return S(2) / (c * (S(1) + std::erf(a)) + s * std::exp(-a * a) / std::sqrt(k_pi<S>));
+    return masking_over_cos(std::abs(w.z), std::sqrt(sqr(alpha_u * w.x) + sqr(alpha_v * w.y)));
+  }
+  /// Range over a set; only members of the upper side count. The denominators grow with c and with s (of Beckmann's the
+  /// derivatives are 1 + erf(a) and exp(-a^2) / sqrt(pi)). On the sphere s = alpha sin, alpha the roughness towards w:
+  /// GGX's denominator is then concave in c, as sqrt(alpha^2 + (1 - alpha^2) c^2) is for alpha > 1, or rises; Beckmann's
+  /// rises up to alpha = 2, as alpha^2 a exp(-a^2) / sqrt(pi) < 1. Their minimum is at an end of c.
+  [[nodiscard]] Interval<S> masking_over_cos(const DirectionSet<S>& w) const noexcept {
+    const CosAndSlope box(*this, w);
+    S most = masking_over_cos(box.c.lo, box.s.lo);
+    const S alpha = std::min(alpha_u, alpha_v);
+    if (type == MicrofacetType::ggx || alpha <= S(2)) {
+      const S at_lo = masking_over_cos(box.c.lo, alpha * sine(box.c.lo));
+      most = std::min(most, std::max(at_lo, masking_over_cos(box.c.hi, alpha * sine(box.c.hi))));
+    }
+    return widen(Interval<S>(masking_over_cos(box.c.hi, box.s.hi), most), k_rounding);
   }
 
   /// Smith's masking G1(w), in [0, 1].
   [[nodiscard]] S masking(const Vec3<S>& w) const noexcept {
     return std::min(masking_over_cos(w) * std::abs(w.z), S(1));
+  }
+  /// Range over a set; only members of the upper side count. A function of c / s alone, rising: on the sphere it grows
+  /// with the cosine.
+  [[nodiscard]] Interval<S> masking(const DirectionSet<S>& w) const noexcept {
+    const CosAndSlope box(*this, w);
+    const auto value = [&](S c, S s) { return c > S(0) ? c * masking_over_cos(c, s) : S(0); };
+    const S steep = std::min(alpha_u, alpha_v) * sine(box.c.hi);
+    const S flat = std::max(alpha_u, alpha_v) * sine(box.c.lo);
+    const Interval<S> range(value(box.c.lo, std::min(box.s.hi, flat)), value(box.c.hi, std::max(box.s.lo, steep)));
+    return min(widen(range, k_rounding), S(1));
   }
 
   /// Draws a normal with density D(h) G1(w) max(0, w . h) / w.z among those that `w` sees. Stretching by the roughness
@@ -91,6 +125,22 @@ struct MicrofacetDistribution {
   }
 
  private:
+  [[nodiscard]] S masking_over_cos(S c, S s) const noexcept {
+    if (type == MicrofacetType::ggx) return S(2) / (c + std::sqrt(c * c + s * s));
+    if (c > S(6) * s) return S(1) / c;  // erfc(6) = 2e-17
+    const S a = c / s;
+    return S(2) / (c * (S(1) + std::erf(a)) + s * std::exp(-a * a) / std::sqrt(k_pi<S>));
+  }
+  [[nodiscard]] static S sine(S cosine) noexcept { return safe_sqrt((S(1) - cosine) * (S(1) + cosine)); }
+  /// What masking depends on, over the upper part of a set.
+  struct CosAndSlope {
+    Interval<S> c;
+    Interval<S> s;
+    CosAndSlope(const MicrofacetDistribution& d, const DirectionSet<S>& w) noexcept
+        : c(max(min(w.z, S(1)), std::numeric_limits<S>::min())),  // a cosine of 0 could make 0 / 0
+          s(sqrt(sqr(d.alpha_u * w.x) + sqr(d.alpha_v * w.y))) {}
+  };
+
   /// Roughness 1, view in the x-z plane: project a disk point, squeezed to the visible half, onto the hemisphere.
   /// [Heitz 2018, "Sampling the GGX distribution of visible normals"]
   [[nodiscard]] static Vec3<S> visible_ggx(S cos_theta, S sin_theta, const Vec2<S>& u) noexcept {

@@ -66,8 +66,15 @@ class Mixture {
   /// Throws ParameterError.
   void validate() const { for_each_throwing(lobes_); }
 
-  [[nodiscard]] Rgb<S> eval(const Vec3<S>& wi, const Vec3<S>& wo) const noexcept {
-    return sum<Rgb<S>>([&](const auto& lobe) { return lobe.eval(wi, wo); });
+  /// Of vectors the BSDF; of direction sets a range that holds its values, the sum of the lobes' (see `eval_over`).
+  template <LocalDirection<S> Wi = Vec3<S>, LocalDirection<S> Wo = Vec3<S>>
+  [[nodiscard]] auto eval(const Wi& wi, const Wo& wo) const noexcept {
+    return sum<PatternColour<Wi, Wo, S>>([&](const auto& lobe) { return eval_over(lobe, wi, wo); });
+  }
+  /// The BSDF times |wi.z|, see `eval_cos_over`.
+  template <LocalDirection<S> Wi = Vec3<S>, LocalDirection<S> Wo = Vec3<S>>
+  [[nodiscard]] auto eval_cos(const Wi& wi, const Wo& wo) const noexcept {
+    return sum<PatternColour<Wi, Wo, S>>([&](const auto& lobe) { return eval_cos_over(lobe, wi, wo); });
   }
 
   [[nodiscard]] std::optional<DirectionSample<S>> sample(const Vec3<S>& known, Walk walk, S u_lobe,

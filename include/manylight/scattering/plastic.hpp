@@ -3,6 +3,7 @@
 
 #include <optional>
 
+#include "manylight/core/rgb_interval.hpp"
 #include "manylight/core/warp.hpp"
 #include "manylight/scattering/fresnel.hpp"
 #include "manylight/scattering/local_geometry.hpp"
@@ -42,9 +43,11 @@ struct Plastic {
     check::reflectance("Plastic specular", specular);
   }
 
-  [[nodiscard]] Rgb<S> eval(const Vec3<S>& wi, const Vec3<S>& wo) const noexcept {
-    if (!local::both_above(wi, wo)) return Rgb<S>(0);
-    return base() * (transmittance(wi.z) * transmittance(wo.z) * k_inv_pi<S>);
+  /// Of vectors the BSDF; of direction sets the range of its values over them.
+  template <LocalDirection<S> Wi = Vec3<S>, LocalDirection<S> Wo = Vec3<S>>
+  [[nodiscard]] auto eval(const Wi& wi, const Wo& wo) const noexcept {
+    const PatternScalar<Wi, Wo, S> inv_pi = k_inv_pi<S>;
+    return when(wi.z > S(0) && wo.z > S(0), [&] { return base() * (transmittance(wi.z) * transmittance(wo.z) * inv_pi); });
   }
 
   [[nodiscard]] std::optional<DirectionSample<S>> sample(const Vec3<S>& known, Walk walk, S u_lobe,
@@ -86,7 +89,10 @@ struct Plastic {
   [[nodiscard]] static constexpr S sup_gloss_beyond(const Vec3<S>& /*wo*/, S /*theta*/) noexcept { return S(0); }
 
  private:
-  [[nodiscard]] S transmittance(S cosine) const noexcept { return S(1) - fresnel_dielectric(cosine, eta_).reflectance; }
+  template <class Cosine>
+  [[nodiscard]] Cosine transmittance(const Cosine& cosine) const noexcept {
+    return S(1) - reflectance_dielectric(cosine, eta_);
+  }
   /// Total internal reflection aside, the transmittance falls monotonically with the angle.
   [[nodiscard]] S max_transmittance() const noexcept { return transmittance(S(1)); }
   /// diffuse / ((1 - ...) eta^2)

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "manylight/core/config.hpp"
+#include "manylight/core/rgb_interval.hpp"
 #include "manylight/core/warp.hpp"
 #include "manylight/scattering/plastic.hpp"
 #include "manylight/scattering/rough_transmittance.hpp"
@@ -30,13 +31,35 @@ struct RoughPlastic {
     check::reflectance("RoughPlastic specular", specular);
   }
 
-  [[nodiscard]] Rgb<S> eval(const Vec3<S>& wi, const Vec3<S>& wo) const noexcept {
-    if (!local::both_above(wi, wo)) return Rgb<S>(0);
-    const MicrofacetDistribution<S> facets = coat->facets();
-    const Vec3<S> h = local::half_vector(wi, wo);
-    const S lobe = S(0.25) * facets.density(h) * facets.masking_over_cos(wi) * facets.masking_over_cos(wo) *
-                   fresnel_dielectric(glm::dot(wo, h), coat->eta()).reflectance;
-    return specular * lobe + base_factor() * (coat->at(wi.z) * coat->at(wo.z) * k_inv_pi<S>);
+  /// Of vectors the BSDF; of direction sets the range of its values over them.
+  template <LocalDirection<S> Wi = Vec3<S>, LocalDirection<S> Wo = Vec3<S>>
+  [[nodiscard]] auto eval(const Wi& wi, const Wo& wo) const noexcept {
+    if constexpr (std::is_same_v<PatternScalar<Wi, Wo, S>, S>) {
+      if (!local::both_above(wi, wo)) return Rgb<S>(0);
+      const MicrofacetDistribution<S> facets = coat->facets();
+      const Vec3<S> h = local::half_vector(wi, wo);
+      const S lobe = S(0.25) * facets.density(h) * facets.masking_over_cos(wi) * facets.masking_over_cos(wo) *
+                     fresnel_dielectric(glm::dot(wo, h), coat->eta()).reflectance;
+      return specular * lobe + base_factor() * (coat->at(wi.z) * coat->at(wo.z) * k_inv_pi<S>);
+    } else {
+      return when(wi.z > S(0) && wo.z > S(0), [&] {
+        const Interval<S> below = Interval<S>(coat->at(wi.z)) * Interval<S>(coat->at(wo.z)) * k_inv_pi<S>;
+        return specular * lobe_range(wi, wo, coat->facets().masking_over_cos(wi)) + base_factor() * below;
+      });
+    }
+  }
+  /// The BSDF times |wi.z|: the range of its lobe has G1(wi) <= 1 in place of G1(wi) / wi.z.
+  template <LocalDirection<S> Wi = Vec3<S>, LocalDirection<S> Wo = Vec3<S>>
+  [[nodiscard]] auto eval_cos(const Wi& wi, const Wo& wo) const noexcept {
+    if constexpr (std::is_same_v<PatternScalar<Wi, Wo, S>, S>) {
+      return eval(wi, wo) * std::abs(wi.z);
+    } else {
+      return when(wi.z > S(0) && wo.z > S(0), [&] {
+        const Interval<S> below = Interval<S>(coat->at(wi.z)) * Interval<S>(coat->at(wo.z)) * k_inv_pi<S>;
+        return specular * lobe_range(wi, wo, coat->facets().masking(wi)) +
+               base_factor() * (below * max0(Interval<S>(wi.z)));
+      });
+    }
   }
 
   [[nodiscard]] std::optional<DirectionSample<S>> sample(const Vec3<S>& known, Walk walk, S u_lobe,
@@ -88,6 +111,15 @@ struct RoughPlastic {
   }
 
  private:
+  /// Of the coat, `masking_i` that of `wi` or its quotient with the cosine.
+  template <class Wi, class Wo>
+  [[nodiscard]] Interval<S> lobe_range(const Wi& wi, const Wo& wo, const Interval<S>& masking_i) const noexcept {
+    const MicrofacetDistribution<S> facets = coat->facets();
+    const Interval<S> value = facets.density_of_half(wi, wo) * (S(0.25) * masking_i) *
+                              Interval<S>(facets.masking_over_cos(wo)) *
+                              reflectance_dielectric(Interval<S>(local::cos_to_half(wi, wo)), coat->eta());
+    return widen(value, facets.k_rounding);
+  }
   /// diffuse / ((1 - ...) eta^2)
   [[nodiscard]] Rgb<S> base_factor() const noexcept {
     const S inside = coat->reflectance_inside();

@@ -54,6 +54,20 @@ class RoughTransmittance {
     const S t = x - static_cast<S>(i);
     return (S(1) - t) * nodes_[i] + t * nodes_[i + 1];
   }
+  /// Range over cosines: of a linear interpolant, from the values at the ends and the nodes between.
+  [[nodiscard]] Interval<S> at(const Interval<S>& cosine) const noexcept {
+    const auto [least_end, most_end] = std::minmax({at(cosine.lo), at(cosine.hi)});
+    const S last = static_cast<S>(k_nodes - 1);
+    const std::size_t first = static_cast<std::size_t>(std::ceil(std::clamp(cosine.lo, S(0), S(1)) * last));
+    const std::size_t beyond = static_cast<std::size_t>(std::clamp(cosine.hi, S(0), S(1)) * last) + 1;
+    S least = least_end;
+    S most = most_end;
+    for (std::size_t i = first; i < beyond; ++i) {
+      least = std::min(least, nodes_[i]);
+      most = std::max(most, nodes_[i]);
+    }
+    return widen(Interval<S>(least, most), S(4) * std::numeric_limits<S>::epsilon());
+  }
   /// 2 int_0^1 at(mu) mu dmu, the hemispherical transmittance from outside.
   [[nodiscard]] S mean() const noexcept { return mean_; }
   /// The largest of all `at`.
