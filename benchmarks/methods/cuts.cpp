@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a pixel costs by cuts, on a scene file: stratified tiles of 16 x 16 pixels, each timed on one core by its thread's
-// processor time, with the standard error over tiles; one light side for all of them. Method vpl sums all pairs on single
-// pixels instead of tiles. Prints one line of JSON per method and number of VPLs.
+// What a pixel costs by cuts, on a scene file: stratified tiles of 16 x 16 pixels, each timed on one core by its
+// thread's processor time, with the standard error over tiles; one light side for all of them. Method vpl sums all
+// pairs on single pixels instead of tiles. Prints one line of JSON per method and number of VPLs.
 //
 //   bench_cuts SCENE.xml --size 512 --vpls 10000 --vpls 100000 --method lightcuts --method bdlc
 
@@ -13,8 +13,8 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <fmt/core.h>
+#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "manylight/core/sobol.hpp"
@@ -22,6 +22,7 @@
 #include "manylight/geometry/bvh.hpp"
 #include "manylight/integrator/bidirectional_lightcuts.hpp"
 #include "manylight/integrator/instant_radiosity.hpp"
+#include "render/either_bounds.hpp"
 #include "render/file_shader.hpp"
 #include "render/setup.hpp"
 #include "scene_file/load_scene.hpp"
@@ -36,6 +37,7 @@ using SceneType = SceneSetup::SceneType;
 struct Arguments {
   std::string scene;
   std::vector<std::string> methods{"lightcuts", "bdlc"};
+  std::vector<std::string> bounds{"automatic"};
   std::vector<std::size_t> vpls{1'000'000};
   std::uint32_t side = 512;
   std::uint32_t tiles = 64;
@@ -50,7 +52,8 @@ double thread_seconds() {
 }
 
 /// The n windows of `edge` pixels, one in each cell of a grid over the film, at places drawn by a fixed seed.
-std::vector<Window> stratified_windows(std::uint32_t width, std::uint32_t height, std::uint32_t count, std::uint32_t edge) {
+std::vector<Window> stratified_windows(std::uint32_t width, std::uint32_t height, std::uint32_t count,
+                                       std::uint32_t edge) {
   const auto columns = static_cast<std::uint32_t>(std::ceil(std::sqrt(static_cast<double>(count) * width / height)));
   const std::uint32_t rows = (count + columns - 1) / columns;
   std::vector<Window> windows;
@@ -96,10 +99,14 @@ nlohmann::json measure(const std::vector<Window>& windows, const Render& render)
     sensors.add(static_cast<double>(s.sensors) / pixels);
     capped += s.capped_pixels;
   }
-  return {{"core_ms_per_pixel", milliseconds.mean()}, {"standard_error", milliseconds.standard_error()},
-          {"cut", cut.mean()}, {"pairs", pairs.mean()}, {"rays", rays.mean()}, {"sensors", sensors.mean()},
-          {"capped", static_cast<double>(capped) / (static_cast<double>(windows.size()) *
-                                                    static_cast<double>(windows.front().pixel_count()))}};
+  return {{"core_ms_per_pixel", milliseconds.mean()},
+          {"standard_error", milliseconds.standard_error()},
+          {"cut", cut.mean()},
+          {"pairs", pairs.mean()},
+          {"rays", rays.mean()},
+          {"sensors", sensors.mean()},
+          {"capped", static_cast<double>(capped) /
+                         (static_cast<double>(windows.size()) * static_cast<double>(windows.front().pixel_count()))}};
 }
 
 void run(const Arguments& arguments) {
@@ -116,26 +123,34 @@ void run(const Arguments& arguments) {
     auto lights = prepare_lights(setup.scene, setup.camera, setup.filter, config, setup.sampler, setup.executor);
     const LightTree<SceneType> tree(lights.lights.vpls, setup.executor);
     for (const std::string& method : arguments.methods) {
-      const std::uint32_t edge = method == "vpl" ? 1 : 16;
-      const auto windows = stratified_windows(arguments.side, arguments.side, arguments.tiles, edge);
-      nlohmann::json row = measure(windows, [&](const Window& window) {
-        ManyLightConfig tile = config;
-        tile.window = window;
-        const SerialExecutor serial;
-        if (method == "vpl") {
-          return render_instant_radiosity(setup.scene, setup.camera, setup.filter, tile, lights, setup.sampler, serial);
-        }
-        if (method == "lightcuts") {
-          return render_lightcuts(setup.scene, setup.camera, setup.filter, tile, lights, tree, setup.sampler, serial);
-        }
-        return render_bidirectional_lightcuts(setup.scene, setup.camera, setup.filter, tile, lights, tree, setup.sampler,
-                                              serial);
-      });
-      row["method"] = method;
-      row["vpls"] = tree.vpls().size();
-      row["bytes_per_vpl"] = static_cast<double>(tree.bytes()) / static_cast<double>(tree.vpls().size());
-      fmt::print("{}\n", row.dump());
-      std::fflush(stdout);
+      for (const std::string& kind : arguments.bounds) {
+        const EitherBounds bounds{kind == "analytic"   ? BoundsKind::analytic
+                                  : kind == "cube-map" ? BoundsKind::cube_map
+                                                       : BoundsKind::automatic};
+        const std::uint32_t edge = method == "vpl" ? 1 : 16;
+        const auto windows = stratified_windows(arguments.side, arguments.side, arguments.tiles, edge);
+        nlohmann::json row = measure(windows, [&](const Window& window) {
+          ManyLightConfig tile = config;
+          tile.window = window;
+          const SerialExecutor serial;
+          if (method == "vpl") {
+            return render_instant_radiosity(setup.scene, setup.camera, setup.filter, tile, lights, setup.sampler,
+                                            serial);
+          }
+          if (method == "lightcuts") {
+            return render_lightcuts(setup.scene, setup.camera, setup.filter, tile, lights, tree, setup.sampler, serial,
+                                    NoProgress{}, bounds);
+          }
+          return render_bidirectional_lightcuts(setup.scene, setup.camera, setup.filter, tile, lights, tree,
+                                                setup.sampler, serial, NoProgress{}, bounds);
+        });
+        row["method"] = method;
+        row["bounds"] = kind;
+        row["vpls"] = tree.vpls().size();
+        row["bytes_per_vpl"] = static_cast<double>(tree.bytes()) / static_cast<double>(tree.vpls().size());
+        fmt::print("{}\n", row.dump());
+        std::fflush(stdout);
+      }
     }
   }
 }
@@ -147,6 +162,7 @@ int main(int argc, char** argv) {
   CLI::App app{"Core-milliseconds per pixel of cuts and of all pairs.", "bench_cuts"};
   app.add_option("scene", arguments.scene, "Scene file, .xml")->required();
   app.add_option("--method", arguments.methods, "lightcuts, bdlc, vpl; repeatable");
+  app.add_option("--bounds", arguments.bounds, "automatic, analytic, cube-map; repeatable");
   app.add_option("--vpls", arguments.vpls, "Virtual point lights; repeatable");
   app.add_option("--size", arguments.side, "Side of the square image, pixels");
   app.add_option("--tiles", arguments.tiles, "Tiles (single pixels of method vpl)");

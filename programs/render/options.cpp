@@ -124,7 +124,11 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
   const std::map<std::string, Backend> backends{{"bvh", Backend::bvh}, {"embree", Backend::embree}};
   const std::map<std::string, SamplerKind> samplers{{"independent", SamplerKind::independent},
                                                     {"sobol", SamplerKind::sobol}};
+  const std::map<std::string, BoundsKind> bounds_kinds{{"automatic", BoundsKind::automatic},
+                                                       {"analytic", BoundsKind::analytic},
+                                                       {"cube-map", BoundsKind::cube_map}};
   std::string method = "bdlc";
+  std::string bounds = "automatic";
   std::string backend = "bvh";
   std::string sampler = "independent";
   double time_limit = 0;
@@ -156,6 +160,9 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
   auto* limit = app.add_option("--time-limit", time_limit, "Stop method path after so many seconds, between passes");
   app.add_option("--weights", weights, "Weights of the pairs [four for bdlc, standard for vpl and lightcuts]")
       ->check(CLI::IsMember(weightings));
+  app.add_option("--bounds", bounds,
+                 "Bounds of materials in cuts: automatic (from eval), analytic (closed forms), cube-map (of the former)")
+      ->check(CLI::IsMember(bounds_kinds))->capture_default_str();
   app.add_option("--clamp", o.clamp_scale, "C_clamp = this x L_a / I_avg; 0: no clamp")->capture_default_str();
   app.add_option("--adaptation-luminance", o.adaptation_luminance, "L_a in W/m^2/sr, 0: estimated")
       ->capture_default_str();
@@ -184,6 +191,7 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
   o.method = methods.at(method);
   o.backend = backends.at(backend);
   o.sampler = samplers.at(sampler);
+  o.bounds = bounds_kinds.at(bounds);
   if (limit->count() > 0) o.time_limit = time_limit;
   if (depth->count() > 0) o.max_depth = max_depth;
   if (!size.empty()) set_size(o, size);

@@ -13,6 +13,7 @@ namespace manylight::render {
 
 enum class Method { path, vpl, lightcuts, bdlc };
 enum class Weights { standard, four, residual, kollig_keller, full };
+enum class BoundsKind { automatic, analytic, cube_map };
 enum class Backend { bvh, embree };
 enum class SamplerKind { independent, sobol };
 
@@ -36,6 +37,7 @@ struct Options {
   std::uint32_t threads = 0;
   std::optional<double> time_limit;  ///< s
   Weights weights = Weights::four;
+  BoundsKind bounds = BoundsKind::automatic;  ///< of materials, in cuts
   double clamp_scale = 1.0 / 800;    ///< 0: no clamp
   double adaptation_luminance = 0;   ///< 0: estimated
   bool hits_after_dirac_only = false;

@@ -9,6 +9,7 @@
 #include "manylight/integrator/instant_radiosity.hpp"
 #include "manylight/integrator/ledger.hpp"
 #include "manylight/path/kollig_keller.hpp"
+#include "render/either_bounds.hpp"
 #include "render/setup.hpp"
 
 namespace manylight::render {
@@ -50,12 +51,12 @@ class ManyLightJob {
 
   ManyLightJob(const Setup<Geometry, Shader>& setup, JobResult& result)
       : setup_(setup), options_(setup.options), result_(result),
-        config_(many_light_config(setup.options, setup.max_edges, setup.window)) {}
+        config_(many_light_config(setup.options, setup.max_edges, setup.window)), bounds_{setup.options.bounds} {}
 
   void run() {
     const Stopwatch clock;
     lights_ = prepare_lights(setup_.scene, setup_.camera, setup_.filter, config_, setup_.sampler, setup_.executor);
-    if (options_.method != Method::vpl) tree_.emplace(std::move(lights_.lights.vpls), setup_.executor);
+    if (options_.method != Method::vpl) tree_.emplace(std::move(lights_.lights.vpls), setup_.executor, bounds_);
     result_.statistics["seconds"]["vpls"] = clock.seconds();
     add_rays(result_, lights_.rays);
     report_lights();
@@ -77,7 +78,7 @@ class ManyLightJob {
     ProgressLine progress(method_name(options_.method), options_.quiet);
     ManyLightImage<float> rendered =
         tree_ ? render_by_cuts(setup_.scene, setup_.camera, setup_.filter, config_, weighting, lights_, *tree_,
-                               setup_.sampler, setup_.executor, std::ref(progress))
+                               setup_.sampler, setup_.executor, std::ref(progress), bounds_)
               : render_all_pairs(setup_.scene, setup_.camera, setup_.filter, config_, weighting, lights_, setup_.sampler,
                                  setup_.executor, std::ref(progress));
     result_.statistics["seconds"]["pixels"] = clock.seconds();
@@ -162,6 +163,7 @@ class ManyLightJob {
   const Options& options_;
   JobResult& result_;
   ManyLightConfig config_;
+  EitherBounds bounds_;
   LightSide<SceneType> lights_;
   std::optional<LightTree<SceneType>> tree_;
 };

@@ -122,9 +122,9 @@ class AutomaticBounds : public ::testing::Test {
       most_cos = std::max(most_cos, max_channel(value_cos));
       if (holds(range, value) && holds(range_cos, value_cos)) continue;
       if (violations++ == 0) {
-        ADD_FAILURE() << name << ", half-angles " << half_i << ", " << half_o << ": wi (" << wi.x << ", " << wi.y << ", "
-                      << wi.z << "), wo (" << wo.x << ", " << wo.y << ", " << wo.z << "), red " << value.x << " in ["
-                      << range.x.lo << ", " << range.x.hi << "], with cosine " << value_cos.x << " in ["
+        ADD_FAILURE() << name << ", half-angles " << half_i << ", " << half_o << ": wi (" << wi.x << ", " << wi.y
+                      << ", " << wi.z << "), wo (" << wo.x << ", " << wo.y << ", " << wo.z << "), red " << value.x
+                      << " in [" << range.x.lo << ", " << range.x.hi << "], with cosine " << value_cos.x << " in ["
                       << range_cos.x.lo << ", " << range_cos.x.hi << "]";
       }
     }
@@ -137,8 +137,9 @@ TYPED_TEST_SUITE(AutomaticBounds, Scalars);
 
 TYPED_TEST(AutomaticBounds, HoldEverySampleAndAreTight) {
   using S = TypeParam;
-  std::printf("bound over sampled maximum for half-angles .01 .1 .5, %s: mean, with cosine; geometric mean, with cosine\n",
-              sizeof(S) == sizeof(float) ? "float" : "double");
+  std::printf(
+      "bound over sampled maximum for half-angles .01 .1 .5, %s: mean, with cosine; geometric mean, with cosine\n",
+      sizeof(S) == sizeof(float) ? "float" : "double");
   test::for_each_material<S>([&](const char* name, const auto& m) {
     std::array<typename TestFixture::Slack, 3> slack;
     std::array<typename TestFixture::Slack, 3> slack_cos;
@@ -148,8 +149,8 @@ TYPED_TEST(AutomaticBounds, HoldEverySampleAndAreTight) {
         // Next to the mirror direction, where lobes have their peaks, and anywhere.
         const bool is_near = i % 2 == 0;
         const Vec3<S> wo = this->upper();
-        const Vec3<S> wi = is_near ? this->around(mirror(wo), 0.2 * this->uniform())
-                                   : this->around({0, 0, 1}, 3 * this->uniform());
+        const Vec3<S> wi =
+            is_near ? this->around(mirror(wo), 0.2 * this->uniform()) : this->around({0, 0, 1}, 3 * this->uniform());
         this->check(name, m, wi, half, wo, 0, 200, is_near ? &slack[h] : nullptr, is_near ? &slack_cos[h] : nullptr);
         if (i % 3 != 0) continue;
         this->check(name, m, wi, 0, wo, half, 100);
@@ -176,17 +177,20 @@ TYPED_TEST(AutomaticBounds, AreValidForSpheresHemispheresAndGrazingCones) {
     double half;
   };
   const double quarter = k_pi<double> / 2;
-  std::vector<Cone> cones{{Direction(0, 0, 1), 4.0},      {Direction(0, 0, 1), quarter},  {Direction(0, 0, -1), quarter}, {Direction(1, 0, 0), quarter},
-                          {Direction(0, 0, 1), 1e-6},     {Direction(0, 0, 1), 0.3},      {Direction(0, 0, -1), 0.3},     {Direction(0, 0, -1), 3},
-                          {Direction(1, 0, 0), 0.01},     {Direction(-1, 0, 0), 0.2},     {Direction(0, 1, 0), 1e-4},     {Direction(0, 0, 1), 1.5},
-                          {Direction(-1, 0, 0), quarter}, {Direction(0, 0, 1), 3.1415926}};
+  std::vector<Cone> cones{
+      {Direction(0, 0, 1), 4.0},      {Direction(0, 0, 1), quarter},  {Direction(0, 0, -1), quarter},
+      {Direction(1, 0, 0), quarter},  {Direction(0, 0, 1), 1e-6},     {Direction(0, 0, 1), 0.3},
+      {Direction(0, 0, -1), 0.3},     {Direction(0, 0, -1), 3},       {Direction(1, 0, 0), 0.01},
+      {Direction(-1, 0, 0), 0.2},     {Direction(0, 1, 0), 1e-4},     {Direction(0, 0, 1), 1.5},
+      {Direction(-1, 0, 0), quarter}, {Direction(0, 0, 1), 3.1415926}};
   cones.push_back({glm::normalize(Direction(S(0.6), 0, S(0.001))), 0.001});
   cones.push_back({glm::normalize(Direction(S(-0.6), S(0.2), S(0.01))), 0.02});
   cones.push_back({glm::normalize(Direction(S(0.6), S(0.3), S(0.5))), 1e-3});
   const Direction grazing = glm::normalize(Direction(S(0.6), S(0.1), S(1e-4)));
   test::for_each_material<S>([&](const char* name, const auto& m) {
     for (const Cone& a : cones) {
-      for (const Direction& w : {grazing, Direction(0, 0, 1), Direction(-1, 0, 0), mirror(grazing), glm::normalize(Direction(1, 1, 1))}) {
+      for (const Direction& w :
+           {grazing, Direction(0, 0, 1), Direction(-1, 0, 0), mirror(grazing), glm::normalize(Direction(1, 1, 1))}) {
         this->check(name, m, a.axis, a.half, w, 0, 30);
         this->check(name, m, w, 0, a.axis, a.half, 30);
       }

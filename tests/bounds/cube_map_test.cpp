@@ -137,7 +137,8 @@ TYPED_TEST(CubeMaps, TightenWithTheirSize) {
     }
   }
   for (int m = 0; m < 3; ++m) {
-    ::testing::Test::RecordProperty("slack_with_" + std::to_string(sizes[m]) + "_nodes", std::to_string(slack[m] / values));
+    ::testing::Test::RecordProperty("slack_with_" + std::to_string(sizes[m]) + "_nodes",
+                                    std::to_string(slack[m] / values));
   }
   EXPECT_LT(slack[1], 0.5 * slack[0]);
   EXPECT_LT(slack[2], slack[1]);

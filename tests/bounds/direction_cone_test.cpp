@@ -106,7 +106,8 @@ TYPED_TEST(Cones, UnionHoldsBothAndStaysSmall) {
     for (int k = 0; k < 20; ++k) {
       // Twenty epsilon: a member that the wider cone swallows may stick out by the rounding of its own angles; what
       // reads cones (max_cosine) carries that slack.
-      ASSERT_LE(test::wide_angle(glm::normalize(WideVec(both.axis)), this->inside(k % 2 == 0 ? a : b)), half + 20 * epsilon);
+      ASSERT_LE(test::wide_angle(glm::normalize(WideVec(both.axis)), this->inside(k % 2 == 0 ? a : b)),
+                half + 20 * epsilon);
     }
     const Wide between = test::wide_angle(WideVec(a.axis), WideVec(b.axis));
     const Wide least =

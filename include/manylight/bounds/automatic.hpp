@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Upper bounds of a material over sets of directions. Where neither the material nor its user states one, it follows from
-// the very `eval` that renders, which is a template over its directions [theory 6.6].
+// Upper bounds of a material over sets of directions. Where neither the material nor its user states one, it follows
+// from the very `eval` that renders, which is a template over its directions [theory 6.6].
 
 #include <algorithm>
 
@@ -65,8 +65,8 @@ inline constexpr bool k_has_hand_written_part<AnyOf<Ms...>, Wi, Wo> = (k_has_han
 template <class... Ms, class Wi, class Wo>
 inline constexpr bool k_has_hand_written_part<Mixture<Ms...>, Wi, Wo> = (k_has_hand_written_part<Ms, Wi, Wo> || ...);
 
-/// Weighted sum over a mixture's lobes of `sup(lobe)`; a lobe of weight 0 is skipped, so that its infinite bound makes no
-/// NaN.
+/// Weighted sum over a mixture's lobes of `sup(lobe)`; a lobe of weight 0 is skipped, so that its infinite bound makes
+/// no NaN.
 template <class M, class Sup>
 [[nodiscard]] inline PatternSup<typename M::Scalar> sum_of_parts(const M& mixture, const Sup& sup) noexcept {
   PatternSup<typename M::Scalar> sum;
@@ -81,8 +81,8 @@ template <class M, class Sup>
 }  // namespace detail
 
 /// Bounds of any material, chosen at compile time: the material's own `sup_eval`, its user's MaterialBound, else what
-/// intervals make of `eval`. A material whose `eval` takes no sets is bounded by infinity, which is always right: limits
-/// of the weighting then bound the pair.
+/// intervals make of `eval`. A material whose `eval` takes no sets is bounded by infinity, which is always right:
+/// limits of the weighting then bound the pair.
 struct AutomaticBounds {
   /// `wi`, `wo`: vectors or sets, at least one a set.
   template <Material M, LocalDirection<typename M::Scalar> Wi, LocalDirection<typename M::Scalar> Wo>

@@ -5,9 +5,9 @@
 // representation in which patterns of any kind merge. Each leaf bounds its cell's directions, each inner node is the
 // maximum of its four children.
 //
-// Departure: the sheet stops at cells whose bound is near their largest value. That leaves whole faces as one cell with a
-// lobe in it, tight where the lobe is and useless beside it. Here a cell is split if its bound is far above its smallest
-// known value, and the one whose excess over the cell's values integrates to most comes first.
+// Departure: the sheet stops at cells whose bound is near their largest value. That leaves whole faces as one cell with
+// a lobe in it, tight where the lobe is and useless beside it. Here a cell is split if its bound is far above its
+// smallest known value, and the one whose excess over the cell's values integrates to most comes first.
 
 #include <algorithm>
 #include <array>
@@ -154,7 +154,8 @@ void CubeMap<S>::take_maxima() noexcept {
   for (std::size_t i = nodes_.size(); i-- > 0;) {
     const std::uint32_t c = nodes_[i].children;
     if (c == 0) continue;
-    nodes_[i].max = std::max(std::max(nodes_[c].max, nodes_[c + 1].max), std::max(nodes_[c + 2].max, nodes_[c + 3].max));
+    nodes_[i].max =
+        std::max(std::max(nodes_[c].max, nodes_[c + 1].max), std::max(nodes_[c + 2].max, nodes_[c + 3].max));
   }
 }
 
@@ -188,7 +189,8 @@ void CubeMap<S>::collapse(std::size_t nodes) {
   const auto loss = [&](std::uint32_t i) {  // relative: what the four lose against their maximum
     const std::uint32_t c = nodes_[i].children;
     const S sum = nodes_[c].max + nodes_[c + 1].max + nodes_[c + 2].max + nodes_[c + 3].max;
-    const S least = std::min(std::min(nodes_[c].max, nodes_[c + 1].max), std::min(nodes_[c + 2].max, nodes_[c + 3].max));
+    const S least =
+        std::min(std::min(nodes_[c].max, nodes_[c + 1].max), std::min(nodes_[c + 2].max, nodes_[c + 3].max));
     return std::pair<bool, S>(least >= S(0.75) * nodes_[i].max, S(4) * nodes_[i].max - sum);
   };
   struct Group {
@@ -247,8 +249,8 @@ S CubeMap<S>::sup(const Box<S>& vectors) const noexcept {
     const S far = face % 2 == 0 ? vectors.hi[axis] : -vectors.lo[axis];
     const S near = std::max(S(0), face % 2 == 0 ? vectors.lo[axis] : -vectors.hi[axis]);
     if (far < S(0) || nodes_[face].max <= most) continue;
-    // Quotient by the end of [near, far] that makes it largest; -1 and 1 are the face's own ends, so that quotients of 0
-    // by 0 and by 0 need no care beyond their sign.
+    // Quotient by the end of [near, far] that makes it largest; -1 and 1 are the face's own ends, so that quotients of
+    // 0 by 0 and by 0 need no care beyond their sign.
     const auto quotient = [&](S x, S divisor) {
       return divisor > S(0) ? x / divisor : x > S(0) ? k_infinity<S> : x < S(0) ? -k_infinity<S> : S(0);
     };
@@ -281,7 +283,8 @@ S CubeMap<S>::sup_of_face(unsigned face, S u0, S u1, S v0, S v1, S known) const 
     const Visit visit = stack[--size];
     const Cell& cell = visit.cell;
     const Node& node = nodes_[visit.node];
-    if (node.max <= known || cell.u0 > u1 || cell.u0 + cell.size < u0 || cell.v0 > v1 || cell.v0 + cell.size < v0) continue;
+    if (node.max <= known || cell.u0 > u1 || cell.u0 + cell.size < u0 || cell.v0 > v1 || cell.v0 + cell.size < v0)
+      continue;
     const bool is_inside = u0 <= cell.u0 && cell.u0 + cell.size <= u1 && v0 <= cell.v0 && cell.v0 + cell.size <= v1;
     if (is_inside || node.children == 0) {
       known = node.max;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Tries to refute a bound: random directions of the set, then local ascents from the best of them. A bound that survives
-// is not proved, but one that is 1 % too low where the pattern peaks does not survive. For authors of materials and of
-// bounds; not for rendering.
+// Tries to refute a bound: random directions of the set, then local ascents from the best of them. A bound that
+// survives is not proved, but one that is 1 % too low where the pattern peaks does not survive. For authors of
+// materials and of bounds; not for rendering.
 
 #include <algorithm>
 #include <cmath>
@@ -28,8 +28,8 @@ struct FalsifySearch {
 template <std::floating_point S>
 struct Falsification {
   S bound = S(0);
-  S value = S(0);          ///< largest found; above `bound`: refuted
-  Vec3<S> at{0, 0, 1};     ///< where
+  S value = S(0);       ///< largest found; above `bound`: refuted
+  Vec3<S> at{0, 0, 1};  ///< where
   [[nodiscard]] bool is_refuted() const noexcept { return !(value <= bound); }
   /// Bound over the largest value found, at least the true slack; infinite where no positive value was found.
   [[nodiscard]] S slack() const noexcept { return value > S(0) ? bound / value : k_infinity<S>; }
@@ -98,19 +98,19 @@ template <std::floating_point S, class Value>
 template <std::floating_point S>
 struct BoundsReport {
   std::uint32_t configurations = 0;
-  std::uint32_t refuted = 0;      ///< configurations with a value above its bound
-  Falsification<S> worst;         ///< the one with the smallest slack
-  DirectionSet<S> worst_set;      ///< its directions
-  Vec3<S> worst_known{0, 0, 1};   ///< its fixed direction: `wo`, or `wi` where `wo` was the set
-  double mean_bound = 0;          ///< of finite bounds, sr^-1
-  double mean_value = 0;          ///< of the largest values found there: mean_bound / mean_value is the mean slack
-  std::uint32_t infinite = 0;     ///< configurations without a finite bound
+  std::uint32_t refuted = 0;     ///< configurations with a value above its bound
+  Falsification<S> worst;        ///< the one with the smallest slack
+  DirectionSet<S> worst_set;     ///< its directions
+  Vec3<S> worst_known{0, 0, 1};  ///< its fixed direction: `wo`, or `wi` where `wo` was the set
+  double mean_bound = 0;         ///< of finite bounds, sr^-1
+  double mean_value = 0;         ///< of the largest values found there: mean_bound / mean_value is the mean slack
+  std::uint32_t infinite = 0;    ///< configurations without a finite bound
   [[nodiscard]] double slack() const noexcept { return mean_value > 0 ? mean_bound / mean_value : 1; }
 };
 
-/// Random configurations of `material`, each judged by `falsify`: one direction fixed, the other in a cone or ring of any
-/// width, often around the mirror direction; of f (wi or wo in the set) and of f |wi.z|. `half_angle` (rad) fixes the
-/// sets' width; 0: any.
+/// Random configurations of `material`, each judged by `falsify`: one direction fixed, the other in a cone or ring of
+/// any width, often around the mirror direction; of f (wi or wo in the set) and of f |wi.z|. `half_angle` (rad) fixes
+/// the sets' width; 0: any.
 template <Material M, PatternBounds<M> B>
 [[nodiscard]] BoundsReport<typename M::Scalar> falsify_bounds(const M& material, const B& bounds,
                                                               std::uint32_t configurations,
@@ -130,19 +130,23 @@ template <Material M, PatternBounds<M> B>
     const Vec3<S> known = glm::normalize(Vec3<S>(sine * std::cos(phi), sine * std::sin(phi), cosine));
     const S outer = half_angle > S(0) ? half_angle : k_pi<S> * std::pow(S(10), S(-4) * stream.next());
     const S inner = half_angle > S(0) || stream.next() < S(0.5) ? S(0) : outer * stream.next();
-    const Vec3<S> axis = stream.next() < S(0.5) ? warp::square_to_uniform_sphere(stream.next_2d())
-                                                : glm::normalize(mirror(known) + outer * stream.next() *
-                                                      warp::square_to_uniform_sphere(stream.next_2d()));
+    const Vec3<S> axis =
+        stream.next() < S(0.5)
+            ? warp::square_to_sphere(stream.next_2d())
+            : glm::normalize(mirror(known) + outer * stream.next() * warp::square_to_sphere(stream.next_2d()));
     const auto set = DirectionSet<S>::ring(axis, inner, outer);
     FalsifySearch one = search;
     one.seed = mix_bits(search.seed ^ (std::uint64_t{i} << 20));
     const PatternSup<S> over_wi = bounds.sup(material, set, known);
     const Falsification<S> found[] = {
-        falsify(set, over_wi.eval, [&](const Vec3<S>& w) { return max_channel(material.eval(w, known)); }, one),
-        falsify(set, over_wi.eval_cos,
-                [&](const Vec3<S>& w) { return max_channel(material.eval(w, known)) * std::abs(w.z); }, one),
-        falsify(set, bounds.sup(material, known, set).eval,
-                [&](const Vec3<S>& w) { return max_channel(material.eval(known, w)); }, one)};
+        falsify(
+            set, over_wi.eval, [&](const Vec3<S>& w) { return max_channel(material.eval(w, known)); }, one),
+        falsify(
+            set, over_wi.eval_cos,
+            [&](const Vec3<S>& w) { return max_channel(material.eval(w, known)) * std::abs(w.z); }, one),
+        falsify(
+            set, bounds.sup(material, known, set).eval,
+            [&](const Vec3<S>& w) { return max_channel(material.eval(known, w)); }, one)};
     ++report.configurations;
     bool refuted = false;
     for (const Falsification<S>& f : found) {

@@ -15,8 +15,7 @@ namespace manylight {
 
 /// Angles off the mirror direction at which a profile is tabulated, rad.
 template <std::floating_point S>
-inline constexpr std::array<S, 8> k_profile_angles{S(0),    S(0.01), S(0.025), S(0.06),
-                                                   S(0.14), S(0.3),  S(0.6),   S(1.2)};
+inline constexpr std::array<S, 8> k_profile_angles{S(0), S(0.01), S(0.025), S(0.06), S(0.14), S(0.3), S(0.6), S(1.2)};
 
 /// Their cosines, rounded down: no angle whose cosine is at most one of them is smaller than its angle. And sines.
 template <std::floating_point S>
@@ -33,10 +32,10 @@ inline const std::array<detail::Turn<S>, 8> k_profile_turns = [] {
 /// Bound of M = f |wi.z| by two angles: that of wi to the lobe's axis and that to the normal.
 template <std::floating_point S>
 struct PatternProfile {
-  std::array<S, k_profile_angles<S>.size()> eval{};      ///< of f at all angles >= k_profile_angles[i] off the axis, sr^-1
+  std::array<S, k_profile_angles<S>.size()> eval{};  ///< of f at all angles >= k_profile_angles[i] off the axis, sr^-1
   std::array<S, k_profile_angles<S>.size()> eval_cos{};  ///< of f |wi.z|, the same
-  bool is_flat = true;           ///< the same at all angles: nobody needs the axis
-  bool has_both_sides = false;   ///< f may be positive for wi.z < 0
+  bool is_flat = true;                                   ///< the same at all angles: nobody needs the axis
+  bool has_both_sides = false;                           ///< f may be positive for wi.z < 0
 
   /// Bound at all wi with cosines of at most `to_axis` with the lobe's axis and at most `to_normal`, positive, with the
   /// normal (or its opposite, if f has both sides).
@@ -101,7 +100,7 @@ struct LightPeak {
 };
 template <Material M, PatternBounds<M> B>
 [[nodiscard]] inline LightPeak<typename M::Scalar> light_peak(const B& bounds, const M& m,
-                                                                    const Vec3<typename M::Scalar>& wi) noexcept {
+                                                              const Vec3<typename M::Scalar>& wi) noexcept {
   using Set = DirectionSet<typename M::Scalar>;
   const auto peak = bounds.sup(m, wi, Set()).eval;
   return {peak, peak > 0 && bounds.sup(m, wi, Set::hemisphere(false)).eval > 0};

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <cmath>
-#include <cstdint>
+#include <concepts>
 
 #include "manylight/bounds/automatic.hpp"
 #include "manylight/bounds/cube_map.hpp"
@@ -18,21 +18,24 @@ struct CubeMapBounds {
   B base{};
   CubeMapLimits limits{};
 
+  [[nodiscard]] static constexpr bool makes_maps() noexcept { return true; }
   template <Material M, class Wi, class Wo>
   [[nodiscard]] PatternSup<typename M::Scalar> sup(const M& m, const Wi& wi, const Wo& wo) const noexcept {
     return base.sup(m, wi, wo);
   }
 };
 
+/// A policy that may make maps.
 template <class B>
-inline constexpr bool k_maps_patterns = false;
-template <class B>
-inline constexpr bool k_maps_patterns<CubeMapBounds<B>> = true;
+concept MapsPatterns = requires(const B& bounds) {
+  { bounds.makes_maps() } -> std::same_as<bool>;
+  { bounds.limits } -> std::convertible_to<CubeMapLimits>;
+};
 
 /// Map over world directions wi of `factor` f |wi.z|, sr^-1, of a surface with the shading frame `frame`, for the world
 /// direction `wo`.
-template <std::floating_point S, Material M, class B>
-void build_sensor_map(const CubeMapBounds<B>& bounds, const M& m, const Frame<S>& frame, const Vec3<S>& wo, S factor,
+template <std::floating_point S, Material M, MapsPatterns B>
+void build_sensor_map(const B& bounds, const M& m, const Frame<S>& frame, const Vec3<S>& wo, S factor,
                       CubeMap<S>& map) {
   const Vec3<S> local_wo = frame.to_local(wo);
   const auto bound = [&](const DirectionSet<S>& cell) {

@@ -20,13 +20,15 @@ namespace manylight {
 
 /// Renders `scene`; the light side comes from `prepare_lights` with the same config, `tree` is built over its VPLs. Image
 /// in W/m^2/sr.
-template <class Scene, Camera C, Sampler Random, Executor Exec, class Progress = NoProgress>
+template <class Scene, Camera C, Sampler Random, Executor Exec, class Progress = NoProgress,
+          PatternBounds<typename Scene::Material> B = AutomaticBounds>
 [[nodiscard]] ManyLightImage<typename Scene::Scalar> render_bidirectional_lightcuts(
     const Scene& scene, const C& camera, const ReconstructionFilter<typename Scene::Scalar>& filter,
     const ManyLightConfig& config, const LightSide<Scene>& lights, const LightTree<Scene>& tree, const Random& sampler,
-    const Exec& executor, const Progress& progress = {}) {
+    const Exec& executor, const Progress& progress = {}, const B& bounds = {}) {
   const FourConstraints<typename Scene::Scalar> weighting(lights.weights);
-  return render_by_cuts(scene, camera, filter, config, weighting, lights, tree, sampler, executor, progress);
+  return render_by_cuts(scene, camera, filter, config, weighting, lights, tree, sampler, executor, progress,
+                        bounds);
 }
 
 }  // namespace manylight

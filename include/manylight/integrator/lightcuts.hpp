@@ -21,24 +21,27 @@ inline constexpr double k_perceptual_floor = 0.01;
 
 /// Renders `scene` with any weighting; the light side comes from `prepare_lights` with the same config, `tree` is built
 /// over its VPLs. Image in W/m^2/sr.
-template <class Scene, Camera C, Weighting W, Sampler Random, Executor Exec, class Progress = NoProgress>
+template <class Scene, Camera C, Weighting W, Sampler Random, Executor Exec, class Progress = NoProgress,
+          PatternBounds<typename Scene::Material> B = AutomaticBounds>
 [[nodiscard]] ManyLightImage<typename Scene::Scalar> render_by_cuts(
     const Scene& scene, const C& camera, const ReconstructionFilter<typename Scene::Scalar>& filter,
     const ManyLightConfig& config, const W& weighting, const LightSide<Scene>& lights, const LightTree<Scene>& tree,
-    const Random& sampler, const Exec& executor, const Progress& progress = {}) {
+    const Random& sampler, const Exec& executor, const Progress& progress = {}, const B& bounds = {}) {
   const CutConfig cut{config.threshold, config.max_cut, k_perceptual_floor * lights.adaptation_luminance};
-  const auto make_sum = [&] { return CutSum<Scene, W>(scene, weighting, tree, config.max_edges, cut); };
+  const auto make_sum = [&] { return CutSum<Scene, W, B>(scene, weighting, tree, config.max_edges, cut, bounds); };
   return render_many_light(scene, camera, filter, config, weighting, make_sum, sampler, executor, progress);
 }
 
 /// Multidimensional lightcuts: `render_by_cuts` with the classical clamp.
-template <class Scene, Camera C, Sampler Random, Executor Exec, class Progress = NoProgress>
+template <class Scene, Camera C, Sampler Random, Executor Exec, class Progress = NoProgress,
+          PatternBounds<typename Scene::Material> B = AutomaticBounds>
 [[nodiscard]] ManyLightImage<typename Scene::Scalar> render_lightcuts(
     const Scene& scene, const C& camera, const ReconstructionFilter<typename Scene::Scalar>& filter,
     const ManyLightConfig& config, const LightSide<Scene>& lights, const LightTree<Scene>& tree, const Random& sampler,
-    const Exec& executor, const Progress& progress = {}) {
+    const Exec& executor, const Progress& progress = {}, const B& bounds = {}) {
   const StandardWeighting<typename Scene::Scalar> weighting(lights.weights);
-  return render_by_cuts(scene, camera, filter, config, weighting, lights, tree, sampler, executor, progress);
+  return render_by_cuts(scene, camera, filter, config, weighting, lights, tree, sampler, executor, progress,
+                        bounds);
 }
 
 }  // namespace manylight

@@ -78,8 +78,8 @@ class GatherTree {
   template <class B>
   [[nodiscard]] GatherNode<S> leaf(const W& weighting, const B& bounds, std::uint32_t place) const;
   [[nodiscard]] GatherNode<S> combine(std::uint32_t child) const;
-  template <class B>
-  void add_maps(const W& weighting, const CubeMapBounds<B>& bounds);
+  template <MapsPatterns B>
+  void add_maps(const W& weighting, const B& bounds);
 
   const std::vector<Sensor<Scene, W>>* sensors_ = nullptr;
   std::vector<ClusterItem<S>> items_;
@@ -104,8 +104,9 @@ void GatherTree<Scene, W>::build(const std::vector<Sensor<Scene, W>>& sensors, c
   for (std::size_t i = clusters.size(); i-- > 0;) {
     nodes_[i] = clusters[i].is_leaf ? leaf(weighting, bounds, clusters[i].first) : combine(clusters[i].first);
   }
-  if constexpr (k_maps_patterns<B>) {
-    if (!nodes_[0].pattern.is_flat) add_maps(weighting, bounds);  // flat ones are bounded by their cosine well enough
+  if constexpr (MapsPatterns<B>) {
+    // Flat patterns are bounded by their cosine well enough.
+    if (bounds.makes_maps() && !nodes_[0].pattern.is_flat) add_maps(weighting, bounds);
   }
 }
 
@@ -156,8 +157,8 @@ GatherNode<typename Scene::Scalar> GatherTree<Scene, W>::combine(std::uint32_t c
 }
 
 template <class Scene, class W>
-template <class B>
-void GatherTree<Scene, W>::add_maps(const W& weighting, const CubeMapBounds<B>& bounds) {
+template <MapsPatterns B>
+void GatherTree<Scene, W>::add_maps(const W& weighting, const B& bounds) {
   if (maps_.size() < nodes_.size()) maps_.resize(nodes_.size());
   for (std::size_t i = nodes_.size(); i-- > 0;) {  // children come after their parent
     GatherNode<S>& node = nodes_[i];
