@@ -258,7 +258,7 @@ TYPED_TEST(Intervals, AreTight) {
     const auto part = [](Wide t, Wide q) { return (1 + t) / (1 + q * t); };
     ASSERT_TRUE(is_near(slope_ratio(x, y.lo), std::min(part(a, c), part(b, c)), std::max(part(a, c), part(b, c)), 16));
     const auto parts = [](Wide u, Wide v) { return (1 + u + v) / (1 + 2 * u + Wide(2.125) * v); };  // falls here
-    ASSERT_TRUE(is_near(slope_ratio(x, y, S(2), S(2.125)), parts(b, d), parts(a, c), 16));  // margin of 8, rounding
+    ASSERT_TRUE(is_near(slope_ratio(x, y, S(2), S(2.125)), parts(b, d), parts(a, c), 16));    // margin of 8, rounding
     ASSERT_TRUE(is_near(gauss_slope(x, y.lo), std::min(gauss(a, c), gauss(b, c)), top, 64));  // margin with q t <= 18
   }
 }

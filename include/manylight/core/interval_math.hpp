@@ -184,8 +184,8 @@ template <std::floating_point S>
   return {least, value(std::clamp(peak, from, to), q_from, S(1))};
 }
 
-/// (1 + x + y) exp(-p x - q y) for x, y >= 0: the same of squared slopes along two axes of unequal roughness (x + y = t,
-/// p and q = 1 / alpha^2). Its logarithm is concave; for a given x + y it is largest with as much as possible on the
+/// (1 + x + y) exp(-p x - q y) for x, y >= 0: the same of squared slopes along two axes of unequal roughness (x + y =
+/// t, p and q = 1 / alpha^2). Its logarithm is concave; for a given x + y it is largest with as much as possible on the
 /// axis of the lower rate, so that the maximum over a box goes along that axis first.
 template <std::floating_point S>
 [[nodiscard]] inline S gauss_slope(S x, S y, S p, S q) noexcept {
@@ -218,7 +218,8 @@ template <std::floating_point S>
   return t > S(1) ? (S(1) + S(1) / t) / (q + S(1) / t) : (S(1) + t) / (S(1) + q * t);  // products could overflow
 }
 template <std::floating_point S>
-[[nodiscard]] inline Interval<S> slope_ratio(const Interval<S>& t, const std::type_identity_t<Interval<S>>& q) noexcept {
+[[nodiscard]] inline Interval<S> slope_ratio(const Interval<S>& t,
+                                             const std::type_identity_t<Interval<S>>& q) noexcept {
   constexpr S k_margin = S(8) * std::numeric_limits<S>::epsilon();
   const S from = max0(t.lo);
   const S to = max0(t.hi);

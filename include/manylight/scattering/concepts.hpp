@@ -50,8 +50,8 @@ concept Material = std::copyable<M> && requires(const M& m, const Vec3<typename 
   { m.is_delta() } -> std::same_as<bool>;
 };
 
-/// A material whose `eval` also takes sets of directions for either or both, and then returns ranges that hold every value
-/// over them: upper bounds follow from it.
+/// A material whose `eval` also takes sets of directions for either or both, and then returns ranges that hold every
+/// value over them: upper bounds follow from it.
 template <class M>
 concept SetEvaluable = Material<M> && requires(const M& m, const DirectionSet<typename M::Scalar>& set,
                                                const Vec3<typename M::Scalar>& w) {

@@ -55,7 +55,8 @@ template <std::floating_point S>
           fresnel_conductor(cos_i, eta.z, k.z)};
 }
 
-// ---- ranges over an interval of cosines ------------------------------------------------------------------------------
+// ---- ranges over an interval of cosines
+// ------------------------------------------------------------------------------
 
 /// Reflectance alone; of an interval of cosines >= 0 its range. With r = cos_t / cos_i and n = eta,
 ///     F = ((n r - 1)^2 / (n r + 1)^2 + (n - r)^2 / (n + r)^2) / 2,

@@ -58,8 +58,8 @@ struct MicrofacetDistribution {
   }
   /// Range over a set; only members of the upper side count. The denominators grow with c and with s (of Beckmann's the
   /// derivatives are 1 + erf(a) and exp(-a^2) / sqrt(pi)). On the sphere s = alpha sin, alpha the roughness towards w:
-  /// GGX's denominator is then concave in c, as sqrt(alpha^2 + (1 - alpha^2) c^2) is for alpha > 1, or rises; Beckmann's
-  /// rises up to alpha = 2, as alpha^2 a exp(-a^2) / sqrt(pi) < 1. Their minimum is at an end of c.
+  /// GGX's denominator is then concave in c, as sqrt(alpha^2 + (1 - alpha^2) c^2) is for alpha > 1, or rises;
+  /// Beckmann's rises up to alpha = 2, as alpha^2 a exp(-a^2) / sqrt(pi) < 1. Their minimum is at an end of c.
   [[nodiscard]] Interval<S> masking_over_cos(const DirectionSet<S>& w) const noexcept {
     const CosAndSlope box(*this, w);
     S most = masking_over_cos(box.c.lo, box.s.lo);

@@ -224,9 +224,8 @@ struct OrenNayar {
   [[nodiscard]] static Azimuths azimuths_of(const DirectionSet<S>& wi, const DirectionSet<S>& wo,
                                             const Cosines& c) noexcept {
     const Interval<S> sines = sine(c.i) * sine(c.o);
-    const Interval<S> product = refine(Interval<S>(dot(wi, wo)) - c.i * c.o, [&] {
-      return Interval<S>(-sines.hi - k_rounding, sines.hi + k_rounding);
-    });
+    const Interval<S> product = refine(Interval<S>(dot(wi, wo)) - c.i * c.o,
+                                       [&] { return Interval<S>(-sines.hi - k_rounding, sines.hi + k_rounding); });
     if (!(sines.lo > S(1e-5))) return {hull(product, Interval<S>(S(0))), Interval<S>(S(-1), S(1))};
     return {product, clamp(product / sines, S(-1), S(1))};
   }

@@ -47,7 +47,8 @@ struct Plastic {
   template <LocalDirection<S> Wi = Vec3<S>, LocalDirection<S> Wo = Vec3<S>>
   [[nodiscard]] auto eval(const Wi& wi, const Wo& wo) const noexcept {
     const PatternScalar<Wi, Wo, S> inv_pi = k_inv_pi<S>;
-    return when(wi.z > S(0) && wo.z > S(0), [&] { return base() * (transmittance(wi.z) * transmittance(wo.z) * inv_pi); });
+    return when(wi.z > S(0) && wo.z > S(0),
+                [&] { return base() * (transmittance(wi.z) * transmittance(wo.z) * inv_pi); });
   }
 
   [[nodiscard]] std::optional<DirectionSample<S>> sample(const Vec3<S>& known, Walk walk, S u_lobe,
