@@ -86,67 +86,62 @@ template <std::floating_point S>
 [[nodiscard]] constexpr S mirrored(S x) noexcept {
   return (S(1) - x) / (S(1) + x);
 }
-/// Parts of a conductor's reflectance at one cosine, all with the errors of a computation in S.
+/// Parts of a conductor's reflectance at one cosine, p^2 = (eta + i k)^2 - sin^2.
 template <std::floating_point S>
 struct ConductorPart {
-  Interval<S> size;           ///< |p|, p^2 = (eta + i k)^2 - sin^2
-  Interval<S> direction;      ///< Re p / |p|
-  Interval<S> perpendicular;  ///< R_s
-  Interval<S> slope;          ///< sin^2 / cos
+  Interval<S> size;  ///< |p|
+  S direction;       ///< Re p / |p|, rounded towards `sign`
+  S perpendicular;   ///< R_s, rounded away from it
+  S slope;           ///< sin^2 / cos
 };
 template <std::floating_point S>
-[[nodiscard]] inline ConductorPart<S> conductor_part(S cos_i, S eta, S k) noexcept {
-  using I = Interval<S>;
-  const I c(cos_i);
-  const I c2 = min(sqr(c), S(1));
-  const I s2 = max0(I(S(1)) - c2);
-  const I eta2 = sqr(I(eta));
-  const I k2 = sqr(I(k));
-  const I difference = eta2 - k2 - s2;
-  const I size2 = sqrt(sqr(difference) + S(4) * (eta2 * k2));
-  const I a = sqrt(max0(S(0.5) * (size2 + difference)));
-  const I size = sqrt(size2);
-  const I twice_ac = S(2) * (c * a);
-  const I m = clamp(twice_ac / (size2 + c2), S(0), S(1));
-  const I direction = size.lo > S(0) ? clamp(a / size, S(0), S(1)) : I(S(0), S(1));
-  const I perpendicular(mirrored(m.hi), mirrored(m.lo));
-  return {size, direction, perpendicular, cos_i > S(0) ? s2 / c : I(S(0), k_infinity<S>)};
+[[nodiscard]] inline ConductorPart<S> conductor_part(S c, S eta, S k, S sign) noexcept {
+  const S eta2 = eta * eta;
+  const S k2 = k * k;
+  const S s2 = S(1) - c * c;
+  const S difference = eta2 - k2 - s2;
+  const S size2 = std::sqrt(difference * difference + S(4) * eta2 * k2);
+  // Their sum cancels where k outweighs eta, here and in the formula that is to be bounded.
+  const S noise = S(4) * std::numeric_limits<S>::epsilon() * (S(1) + eta2 + k2 + std::abs(difference) + size2);
+  const S a = safe_sqrt(S(0.5) * (size2 + difference) + sign * noise);
+  const S divisor = std::max(size2 - sign * noise, S(0)) + c * c;
+  const S m = divisor > S(0) ? S(2) * a * c / divisor : S(0.5) + S(0.5) * sign;
+  const Interval<S> size(safe_sqrt(size2 - noise), std::sqrt(size2 + noise));
+  const S length = sign < S(0) ? size.hi : size.lo;
+  const S direction = length > S(0) ? std::min(a / length, S(1)) : S(0.5) + S(0.5) * sign;
+  return {size, direction, mirrored(std::min(m, S(1))), c > S(0) ? s2 / c : k_infinity<S>};
 }
 }  // namespace detail
 
 /// Range over an interval of cosines >= 0: F = R_s (1 + R_p / R_s) / 2, and
-///  - R_s falls with the cosine. It is (1 - m) / (1 + m); with w = p / cos, w^2 = 1 + K / cos^2, M = |w^2|,
-///    R = Re w^2, m^2 = 2 (M + R) / (1 + M)^2, and by tau = 1 / cos^2 the derivative of m^2 has the sign of
-///    (M + R) (2 R - 1 - M^2) <= -(M + R) (1 - R)^2 <= 0;
+///  - R_s falls with the cosine. It is (1 - m) / (1 + m), m = 2 Re p cos / (|p|^2 + cos^2); with w = p / cos,
+///    w^2 = 1 + K / cos^2, M = |w^2|, R = Re w^2, m^2 = 2 (M + R) / (1 + M)^2, and by 1 / cos^2 the derivative of m^2
+///    has the sign of (M + R) (2 R - 1 - M^2) <= -(M + R) (1 - R)^2 <= 0;
 ///  - R_p / R_s = (1 - l) / (1 + l), l = 2 z / (1 + z^2) Re p / |p|, z = (sin^2 / cos) / |p|. Re p / |p| grows with the
 ///    cosine, as p^2 moves along a parallel to the real axis; sin^2 / cos falls; 2 z / (1 + z^2) peaks at z = 1.
 /// F itself dips and rises, and z takes |p| apart from the cosine: exact up to that.
 template <std::floating_point S>
 [[nodiscard]] inline Interval<S> fresnel_conductor(const Interval<S>& cos_i, S eta, S k) noexcept {
-  using I = Interval<S>;
+  constexpr S k_margin = S(32) * std::numeric_limits<S>::epsilon();
   const S from = std::clamp(cos_i.lo, S(0), S(1));
   const S to = std::clamp(cos_i.hi, S(0), S(1));
-  const detail::ConductorPart<S> low = detail::conductor_part(from, eta, k);
-  const detail::ConductorPart<S> high = detail::conductor_part(to, eta, k);
-  const I perpendicular(high.perpendicular.lo, low.perpendicular.hi);
-  const I direction(low.direction.lo, high.direction.hi);
-  constexpr S k_margin = S(32) * std::numeric_limits<S>::epsilon();
+  const detail::ConductorPart<S> low = detail::conductor_part(from, eta, k, S(-1));
+  const detail::ConductorPart<S> high = detail::conductor_part(to, eta, k, S(1));
+  Interval<S> size = hull(low.size, high.size);
   // |p|^2 is smallest where its real part, which grows with the cosine, changes sign.
   const S turn = S(1) - eta * eta + k * k;
   const S rounding = k_margin * (S(1) + eta * eta + k * k);
-  const bool has_turn = turn >= from * from - rounding && turn <= to * to + rounding;
-  const I ends = hull(low.size, high.size);
-  const I size = has_turn ? hull(ends, sqrt(S(2) * I(eta) * I(k))) : ends;
-  const I slope(high.slope.lo, low.slope.hi);
-  const I z = size.lo > S(0) ? slope / size : I(S(0), k_infinity<S>);
-  const auto part = [](S x) { return x > S(1) ? S(2) / x / (S(1) + S(1) / x / x) : S(2) * x / (S(1) + x * x); };
-  const S least = std::max(S(0), std::min(part(z.lo), part(z.hi)) - k_margin);
-  const S most = std::min(S(1), part(std::clamp(S(1), z.lo, z.hi)) + k_margin);
-  const S l_from = std::max(S(0), least * direction.lo - k_margin);
-  const S l_to = std::min(S(1), most * direction.hi + k_margin);
-  const I ratio(detail::mirrored(l_to), detail::mirrored(l_from));
-  const I f = S(0.5) * (perpendicular * (I(S(1)) + ratio));
-  return clamp(I(f.lo - k_margin, f.hi + k_margin), S(0), S(1));
+  if (turn >= from * from - rounding && turn <= to * to + rounding) {
+    size.lo = std::min(size.lo, std::sqrt(S(2) * eta * k) * (S(1) - k_margin));
+  }
+  const S z_from = size.hi > S(0) ? high.slope / size.hi : S(0);
+  const S z_to = size.lo > S(0) ? low.slope / size.lo : k_infinity<S>;
+  const auto part = [](S z) { return z > S(1) ? S(2) / (z + S(1) / z) : S(2) * z / (S(1) + z * z); };
+  const S l_from = std::min(part(z_from), part(z_to)) * low.direction - k_margin;
+  const S l_to = part(std::clamp(S(1), z_from, z_to)) * high.direction + k_margin;
+  const S most = S(0.5) * low.perpendicular * (S(1) + detail::mirrored(std::max(l_from, S(0))));
+  const S least = S(0.5) * high.perpendicular * (S(1) + detail::mirrored(std::min(l_to, S(1))));
+  return {std::max(S(0), least - k_margin), std::min(S(1), most + k_margin)};
 }
 template <std::floating_point S>
 [[nodiscard]] inline RgbInterval<S> fresnel_conductor(const Interval<S>& cos_i, const Rgb<S>& eta,
