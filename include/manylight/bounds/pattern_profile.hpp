@@ -4,6 +4,7 @@
 // What a cluster of sensors knows of its materials: bounds over rings around the mirror direction, a few numbers that
 // merge by their maxima. Eight bounds per sensor are all that is computed; a cube-map would take some hundred.
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -80,11 +81,21 @@ template <Material M, PatternBounds<M> B>
     profile.eval_cos.fill(all.eval_cos);
     return profile;
   }
+  const auto ring = [&](std::size_t i, std::size_t j) {
+    return bounds.sup(m, Set({axis, turns[j].cosine, turns[j].sine}, turns[i].cosine, turns[i].sine), wo);
+  };
+  const PatternSup<S> core = ring(0, 1);
   for (std::size_t i = profile.eval.size(); i-- > 0;) {
     if (i < 7) {
-      const PatternSup<S> ring =
-          bounds.sup(m, Set({axis, turns[i + 1].cosine, turns[i + 1].sine}, turns[i].cosine, turns[i].sine), wo);
-      beyond = {std::max(beyond.eval, ring.eval), std::max(beyond.eval_cos, ring.eval_cos)};
+      // Where the lobe has nearly reached its height, one bound serves all the rest.
+      const bool is_top = !(beyond.eval < k_flat * core.eval || beyond.eval_cos < k_flat * core.eval_cos);
+      const PatternSup<S> next = is_top ? ring(0, i + 1) : i == 0 ? core : ring(i, i + 1);
+      beyond = {std::max(beyond.eval, next.eval), std::max(beyond.eval_cos, next.eval_cos)};
+      if (is_top) {
+        std::fill_n(profile.eval.begin(), i + 1, std::min(all.eval, beyond.eval));
+        std::fill_n(profile.eval_cos.begin(), i + 1, std::min(all.eval_cos, beyond.eval_cos));
+        break;
+      }
     }
     profile.eval[i] = std::min(all.eval, beyond.eval);
     profile.eval_cos[i] = std::min(all.eval_cos, beyond.eval_cos);

@@ -28,23 +28,23 @@ inline constexpr S k_tiny = std::numeric_limits<S>::min();
 
 /// A number below the exact value of which `x` is the rounded one. Infinity means overflow: the value was finite.
 template <std::floating_point S>
-[[nodiscard]] inline S down(S x, S step = k_step<S>) noexcept {
+[[nodiscard, gnu::always_inline]] inline S down(S x, S step = k_step<S>) noexcept {
   const S finite = std::min(x, std::numeric_limits<S>::max());
   return finite - step * std::abs(finite);
 }
 /// A number above the exact value of which `x` is the rounded one.
 template <std::floating_point S>
-[[nodiscard]] inline S up(S x, S step = k_step<S>) noexcept {
+[[nodiscard, gnu::always_inline]] inline S up(S x, S step = k_step<S>) noexcept {
   const S finite = std::max(x, -std::numeric_limits<S>::max());
   return finite + step * std::abs(finite);
 }
 /// The same for results of at least 0 that may have underflown; a lower end stays at 0.
 template <std::floating_point S>
-[[nodiscard]] inline S down_to_zero(S x, S step = k_step<S>) noexcept {
+[[nodiscard, gnu::always_inline]] inline S down_to_zero(S x, S step = k_step<S>) noexcept {
   return std::max(S(0), down(x, step) - k_tiny<S>);
 }
 template <std::floating_point S>
-[[nodiscard]] inline S up_from_tiny(S x, S step = k_step<S>) noexcept {
+[[nodiscard, gnu::always_inline]] inline S up_from_tiny(S x, S step = k_step<S>) noexcept {
   return up(x, step) + k_tiny<S>;
 }
 
@@ -91,15 +91,15 @@ struct Interval {
   [[nodiscard]] constexpr bool is_zero() const noexcept { return lo == S(0) && hi == S(0); }
 
   // A sum that is subnormal is exact, so that sums need no tiny margin.
-  [[nodiscard]] friend Interval operator+(const Interval& a, const Interval& b) noexcept {
+  [[nodiscard, gnu::always_inline]] friend inline Interval operator+(const Interval& a, const Interval& b) noexcept {
     return {detail::down(a.lo + b.lo), detail::up(a.hi + b.hi)};
   }
-  [[nodiscard]] friend Interval operator-(const Interval& a, const Interval& b) noexcept {
+  [[nodiscard, gnu::always_inline]] friend inline Interval operator-(const Interval& a, const Interval& b) noexcept {
     return {detail::down(a.lo - b.hi), detail::up(a.hi - b.lo)};
   }
   [[nodiscard]] friend constexpr Interval operator-(const Interval& a) noexcept { return {-a.hi, -a.lo}; }
 
-  [[nodiscard]] friend Interval operator*(const Interval& a, const Interval& b) noexcept {
+  [[nodiscard, gnu::always_inline]] friend inline Interval operator*(const Interval& a, const Interval& b) noexcept {
     if (a.is_zero() || b.is_zero()) return S(0);
     if (a.lo >= S(0) && b.lo >= S(0)) return {detail::down_to_zero(a.lo * b.lo), detail::up_from_tiny(a.hi * b.hi)};
     S least = k_infinity<S>;
@@ -112,7 +112,7 @@ struct Interval {
     return {detail::down(least) - detail::k_tiny<S>, detail::up(most) + detail::k_tiny<S>};
   }
   /// `s` must be finite.
-  [[nodiscard]] friend Interval operator*(S s, const Interval& a) noexcept {
+  [[nodiscard, gnu::always_inline]] friend inline Interval operator*(S s, const Interval& a) noexcept {
     if (s == S(0)) return S(0);
     const S p = s * a.lo;
     const S q = s * a.hi;
@@ -121,7 +121,7 @@ struct Interval {
     return {is_positive ? std::max(S(0), least) : least,
             a.is_zero() ? S(0) : detail::up(std::max(p, q)) + detail::k_tiny<S>};
   }
-  [[nodiscard]] friend Interval operator*(const Interval& a, S s) noexcept { return s * a; }
+  [[nodiscard, gnu::always_inline]] friend inline Interval operator*(const Interval& a, S s) noexcept { return s * a; }
 
   /// By an interval around 0: the whole line. By one that ends at 0: a half line, if the numerator has one sign.
   [[nodiscard]] friend Interval operator/(const Interval& a, const Interval& b) noexcept {

@@ -121,6 +121,7 @@ class CutSum {
   B bounds_;
 
   GatherTree<Scene, W> gather_;
+  LightNode<S> leaf_;                  ///< the leaf of the light tree that is looked at
   std::vector<Cluster> clusters_;
   std::vector<Candidate> heap_;        ///< clusters that may be split
   std::size_t settled_count_ = 0;      ///< clusters without error
@@ -199,9 +200,9 @@ template <class Scene, class W, PatternBounds<typename Scene::Material> B>
 void CutSum<Scene, W, B>::split(std::uint32_t cluster) {
   const Cluster parent = clusters_[cluster];
   total_ -= estimate(parent);
-  const bool on_gather = splits_gather(gather_.node(parent.gather), lights_.node(parent.light));
-  const std::array<std::uint32_t, 2> children =
-      on_gather ? gather_.children(parent.gather) : lights_.node(parent.light).children;
+  const LightNode<S>& light_node = lights_.node(parent.light, leaf_);
+  const bool on_gather = splits_gather(gather_.node(parent.gather), light_node);
+  const std::array<std::uint32_t, 2> children = on_gather ? gather_.children(parent.gather) : light_node.children;
   const std::uint32_t heir = on_gather ? gather_.inheriting_child(parent.gather, parent.sensor)
                                        : lights_.inheriting_child(parent.light, parent.vpl);
   for (const std::uint32_t child : children) {
@@ -220,17 +221,17 @@ void CutSum<Scene, W, B>::inherit(std::uint32_t cluster, std::uint32_t gather, s
   Cluster& c = clusters_[cluster];
   c.gather = gather;
   c.light = light;
-  c.scale = luminance(gather_.node(gather).strength) * luminance(lights_.node(light).intensity);
-  total_ += estimate(c);
   const GatherNode<S>& g = gather_.node(gather);
-  const LightNode<S> l = lights_.node(light);
+  const LightNode<S>& l = lights_.node(light, leaf_);
+  c.scale = luminance(g.strength) * luminance(l.intensity);
+  total_ += estimate(c);
   place(cluster, g.is_leaf && l.is_leaf ? S(0) : pair_error(g, l, c.scale, pair_bound(g, l, limits_)));
 }
 
 template <class Scene, class W, PatternBounds<typename Scene::Material> B>
 void CutSum<Scene, W, B>::open(std::uint32_t gather, std::uint32_t light) {
   const GatherNode<S>& g = gather_.node(gather);
-  const LightNode<S> l = lights_.node(light);
+  const LightNode<S>& l = lights_.node(light, leaf_);
   const S bound = pair_bound(g, l, limits_);
   if (!(bound > S(0))) {
     ++settled_count_;
@@ -280,7 +281,7 @@ void CutSum<Scene, W, B>::evaluate_pending() {
       c.unit *= visible_[ray++];
       total_ += estimate(c);
     }
-    place(pending.cluster, pair_error(gather_.node(c.gather), lights_.node(c.light), c.scale, pending.bound));
+    place(pending.cluster, pair_error(gather_.node(c.gather), lights_.node(c.light, leaf_), c.scale, pending.bound));
   }
   pending_.clear();
 }

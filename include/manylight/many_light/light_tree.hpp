@@ -79,7 +79,12 @@ class LightTree {
   LightTree(std::vector<VertexOf<Scene>> vpls, const Exec& executor, const B& bounds = {});
 
   [[nodiscard]] const std::vector<std::uint32_t>& roots() const noexcept { return roots_; }
-  /// The cluster of that id, a root's or a child's.
+  /// The cluster of that id, a root's or a child's. A leaf is made in `leaf`, which keeps inner nodes from being copied.
+  [[nodiscard]] const LightNode<S>& node(std::uint32_t id, LightNode<S>& leaf) const noexcept {
+    if (!is_leaf(id)) return nodes_[id];
+    leaf = leaf_node(id & ~k_leaf);
+    return leaf;
+  }
   [[nodiscard]] LightNode<S> node(std::uint32_t id) const noexcept {
     return is_leaf(id) ? leaf_node(id & ~k_leaf) : nodes_[id];
   }
@@ -90,8 +95,12 @@ class LightTree {
            representatives_.bytes();
   }
 
+  /// What a split of the node will read.
   void prefetch_children(std::uint32_t id) const noexcept {
-    if (is_leaf(id)) return;
+    if (is_leaf(id)) {
+      prefetch_vpl(id & ~k_leaf);
+      return;
+    }
     for (const std::uint32_t child : nodes_[id].children) {
       if (is_leaf(child)) {
         prefetch_vpl(child & ~k_leaf);
@@ -199,8 +208,9 @@ LightNode<typename Scene::Scalar> LightTree<Scene>::leaf_node(std::uint32_t leaf
 
 template <class Scene>
 void LightTree<Scene>::combine(LightNode<S>& parent) const noexcept {
-  const LightNode<S> a = node(parent.children[0]);
-  const LightNode<S> b = node(parent.children[1]);
+  LightNode<S> leaves[2];
+  const LightNode<S>& a = node(parent.children[0], leaves[0]);
+  const LightNode<S>& b = node(parent.children[1], leaves[1]);
   parent.leaves = {a.leaves.begin, b.leaves.end};
   parent.box = a.box;
   parent.box.extend(b.box);
