@@ -94,7 +94,8 @@ class CutSum {
   /// A new cluster whose representative waits to be evaluated.
   struct Pending {
     std::uint32_t cluster;
-    S bound;
+    S bound;   ///< UB
+    S error;   ///< of the cluster, see pair_error
     double u;  ///< picks l*
   };
 
@@ -121,7 +122,7 @@ class CutSum {
   B bounds_;
 
   GatherTree<Scene, W> gather_;
-  LightNode<S> leaf_;                  ///< the leaf of the light tree that is looked at
+  typename LightTree<Scene>::Leaf leaf_;
   std::vector<Cluster> clusters_;
   std::vector<Candidate> heap_;        ///< clusters that may be split
   std::size_t settled_count_ = 0;      ///< clusters without error
@@ -190,6 +191,7 @@ bool CutSum<Scene, W, B>::take_worst() {
 
 template <class Scene, class W, PatternBounds<typename Scene::Material> B>
 void CutSum<Scene, W, B>::split_batch() {
+  for (const std::uint32_t cluster : batch_) lights_.prefetch_node(clusters_[cluster].light);
   for (const std::uint32_t cluster : batch_) lights_.prefetch_children(clusters_[cluster].light);
   for (const std::uint32_t cluster : batch_) split(cluster);
   evaluate_pending();
@@ -200,9 +202,11 @@ template <class Scene, class W, PatternBounds<typename Scene::Material> B>
 void CutSum<Scene, W, B>::split(std::uint32_t cluster) {
   const Cluster parent = clusters_[cluster];
   total_ -= estimate(parent);
-  const LightNode<S>& light_node = lights_.node(parent.light, leaf_);
-  const bool on_gather = splits_gather(gather_.node(parent.gather), light_node);
-  const std::array<std::uint32_t, 2> children = on_gather ? gather_.children(parent.gather) : light_node.children;
+  const GatherNode<S>& g = gather_.node(parent.gather);
+  const bool on_gather = !g.is_leaf && (LightTree<Scene>::is_leaf(parent.light) ||
+                                        splits_gather(g, lights_.node(parent.light, leaf_)));
+  const std::array<std::uint32_t, 2> children =
+      on_gather ? gather_.children(parent.gather) : lights_.node(parent.light, leaf_).children;
   const std::uint32_t heir = on_gather ? gather_.inheriting_child(parent.gather, parent.sensor)
                                        : lights_.inheriting_child(parent.light, parent.vpl);
   for (const std::uint32_t child : children) {
@@ -245,7 +249,7 @@ void CutSum<Scene, W, B>::open(std::uint32_t gather, std::uint32_t light) {
   c.sensor = gather_.representative(gather, to_unit_interval<double>(static_cast<std::uint32_t>(random >> 32)));
   const auto u = to_unit_interval<double>(static_cast<std::uint32_t>(random));
   lights_.prefetch_representative(light, u);
-  pending_.push_back({static_cast<std::uint32_t>(clusters_.size()), bound, u});
+  pending_.push_back({static_cast<std::uint32_t>(clusters_.size()), bound, pair_error(g, l, c.scale, bound), u});
   clusters_.push_back(c);
 }
 
@@ -281,7 +285,7 @@ void CutSum<Scene, W, B>::evaluate_pending() {
       c.unit *= visible_[ray++];
       total_ += estimate(c);
     }
-    place(pending.cluster, pair_error(gather_.node(c.gather), lights_.node(c.light, leaf_), c.scale, pending.bound));
+    place(pending.cluster, pending.error);
   }
   pending_.clear();
 }

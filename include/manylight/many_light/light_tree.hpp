@@ -79,11 +79,17 @@ class LightTree {
   LightTree(std::vector<VertexOf<Scene>> vpls, const Exec& executor, const B& bounds = {});
 
   [[nodiscard]] const std::vector<std::uint32_t>& roots() const noexcept { return roots_; }
-  /// The cluster of that id, a root's or a child's. A leaf is made in `leaf`, which keeps inner nodes from being copied.
-  [[nodiscard]] const LightNode<S>& node(std::uint32_t id, LightNode<S>& leaf) const noexcept {
+  /// A leaf that was looked at last.
+  struct Leaf {
+    std::uint32_t id = 0;
+    LightNode<S> node;
+  };
+  [[nodiscard]] static constexpr bool is_leaf(std::uint32_t id) noexcept { return (id & k_leaf) != 0; }
+  /// The cluster of that id, a root's or a child's. A leaf is made in `leaf`, unless it is there from the last time.
+  [[nodiscard]] const LightNode<S>& node(std::uint32_t id, Leaf& leaf) const noexcept {
     if (!is_leaf(id)) return nodes_[id];
-    leaf = leaf_node(id & ~k_leaf);
-    return leaf;
+    if (leaf.id != id) leaf = {id, leaf_node(id & ~k_leaf)};
+    return leaf.node;
   }
   [[nodiscard]] LightNode<S> node(std::uint32_t id) const noexcept {
     return is_leaf(id) ? leaf_node(id & ~k_leaf) : nodes_[id];
@@ -95,19 +101,17 @@ class LightTree {
            representatives_.bytes();
   }
 
-  /// What a split of the node will read.
-  void prefetch_children(std::uint32_t id) const noexcept {
+  void prefetch_node(std::uint32_t id) const noexcept {
     if (is_leaf(id)) {
       prefetch_vpl(id & ~k_leaf);
-      return;
+      prefetch(&peaks_[id & ~k_leaf], sizeof(S));
+    } else {
+      prefetch(&nodes_[id], sizeof(LightNode<S>));
     }
-    for (const std::uint32_t child : nodes_[id].children) {
-      if (is_leaf(child)) {
-        prefetch_vpl(child & ~k_leaf);
-      } else {
-        prefetch(&nodes_[child], sizeof(LightNode<S>));
-      }
-    }
+  }
+  void prefetch_children(std::uint32_t id) const noexcept {
+    if (is_leaf(id)) return;
+    for (const std::uint32_t child : nodes_[id].children) prefetch_node(child);
   }
   void prefetch_vpl(std::uint32_t leaf) const noexcept { prefetch(&vpls_[leaf], sizeof(VertexOf<Scene>)); }
   /// Place of the VPL that `u` in [0, 1) picks to represent node `id`: P = I / I_node, by luminance.
@@ -126,7 +130,6 @@ class LightTree {
  private:
   /// Ids of leaves: this bit and the place in the leaf order. Of inner nodes: their place in `nodes_`.
   static constexpr std::uint32_t k_leaf = 0x8000'0000U;
-  [[nodiscard]] static constexpr bool is_leaf(std::uint32_t id) noexcept { return (id & k_leaf) != 0; }
 
   template <class B>
   void append_tree(std::vector<ClusterItem<S>>& group, const std::vector<ClusterNode>& clusters,
@@ -208,7 +211,7 @@ LightNode<typename Scene::Scalar> LightTree<Scene>::leaf_node(std::uint32_t leaf
 
 template <class Scene>
 void LightTree<Scene>::combine(LightNode<S>& parent) const noexcept {
-  LightNode<S> leaves[2];
+  Leaf leaves[2];
   const LightNode<S>& a = node(parent.children[0], leaves[0]);
   const LightNode<S>& b = node(parent.children[1], leaves[1]);
   parent.leaves = {a.leaves.begin, b.leaves.end};
