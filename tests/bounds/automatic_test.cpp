@@ -136,6 +136,12 @@ class AutomaticBounds : public ::testing::Test {
 using Scalars = ::testing::Types<float, double>;
 TYPED_TEST_SUITE(AutomaticBounds, Scalars);
 
+// Planted bugs seen to fail, each in this test or one of the next two. Ward: 1 + t left out of f |cos|, 1/5 for the 1/4
+// of `original`, f |cos| of `duer` 1 % short, a floor under each cosine in place of their sum, roughness of the axes
+// swapped. Facets: Beckmann's density with all of the exponent in its root, masking by the larger or the smaller cosine
+// alone, by the larger roughness; metal 1 % short, without the rounding of Re p. Oren-Nayar: opposite azimuths not
+// shrunk, the azimuth by the farther end of |q|. Coat: Fresnel at normal incidence alone. Mixture: weights left out.
+// Phong: f |cos| without the margin of cosines next to 1.
 TYPED_TEST(AutomaticBounds, HoldEverySampleAndAreTight) {
   using S = TypeParam;
   std::printf(
@@ -146,7 +152,7 @@ TYPED_TEST(AutomaticBounds, HoldEverySampleAndAreTight) {
     std::array<typename TestFixture::Slack, 3> slack_cos;
     for (std::size_t h = 0; h < 3; ++h) {
       const double half = std::array{0.01, 0.1, 0.5}[h];
-      for (int i = 0; i < 60; ++i) {
+      for (int i = 0; i < 45; ++i) {
         // Next to the mirror direction, where lobes have their peaks, and anywhere.
         const bool is_near = i % 2 == 0;
         const Vec3<S> wo = this->upper();
@@ -167,6 +173,8 @@ TYPED_TEST(AutomaticBounds, HoldEverySampleAndAreTight) {
     }
     std::printf("  %-28s%s\n", name, line.c_str());
     ::testing::Test::RecordProperty(std::string("slack ") + name, line);
+    EXPECT_LT(slack_cos[0].geometric(), 2.5) << name;  // far out in a narrow lobe an ulp of the angle is a factor
+    EXPECT_LT(slack_cos[2].geometric(), 4) << name;    // rough facets: density and masking have their maxima apart
   });
 }
 
@@ -235,7 +243,9 @@ TYPED_TEST(AutomaticBounds, HoldForAllParameters) {
   }
 }
 
-// What Fresnel's reflectance is over a range of cosines: the oracle is dense sampling, next to the ends, too.
+// What Fresnel's reflectance is over a range of cosines: the oracle is dense sampling. Planted bugs seen to fail: of
+// dielectrics the lower cosine alone, the least value at an end whatever eta, no margin; of metals the maximum of
+// 2 z / (1 + z^2) at an end, R_s from the upper cosine.
 TYPED_TEST(AutomaticBounds, FresnelRangesHoldAndAreTight) {
   using S = TypeParam;
   constexpr int k_steps = 200;
@@ -265,6 +275,40 @@ TYPED_TEST(AutomaticBounds, FresnelRangesHoldAndAreTight) {
     const S loose = cosines.hi - cosines.lo < S(0.2) ? S(0.2) : S(0.5);  // |p| and the cosine taken apart
     ASSERT_LE(conductor.hi, most_conductor + loose)
         << "eta " << eta << ", k " << k << ", cosines " << cosines.lo << ", " << cosines.hi;
+  }
+}
+
+// Planted bug seen to fail: Beckmann's denominator taken to rise along the sphere beyond alpha = 2, too.
+TYPED_TEST(AutomaticBounds, MaskingRangesHoldAndAreTight) {
+  using S = TypeParam;
+  for (int i = 0; i < 4000; ++i) {
+    const auto alpha = [this] { return static_cast<S>(std::pow(10, 1 - 3 * this->uniform())); };
+    const S alpha_u = alpha();
+    const MicrofacetDistribution<S> facets{i % 2 == 0 ? MicrofacetType::ggx : MicrofacetType::beckmann, alpha_u,
+                                           i % 3 == 0 ? alpha_u : alpha()};
+    // Rough facets have their largest quotient within 1 / (2 alpha) of the normal, but not there.
+    const double half = std::exp2(-9 * this->uniform());
+    const Vec3<S> axis = i % 5 == 0 ? this->around({0, 0, 1}, half) : this->upper();
+    const DirectionSet<S> set(axis, static_cast<S>(half));
+    const Interval<S> over_cos = facets.masking_over_cos(set);
+    const Interval<S> masking = facets.masking(set);
+    S most = 0;
+    S most_masking = 0;
+    for (int k = 0; k < 60; ++k) {
+      const Vec3<S> w = this->member(axis, half, this->targets(axis), k);
+      if (!(w.z > S(0))) continue;
+      const S value = facets.masking_over_cos(w);
+      ASSERT_TRUE(over_cos.contains(value)) << value << " in [" << over_cos.lo << ", " << over_cos.hi << "]";
+      ASSERT_TRUE(masking.contains(facets.masking(w))) << facets.masking(w);
+      most = std::max(most, value);
+      most_masking = std::max(most_masking, facets.masking(w));
+    }
+    // Where it is steep, next to the horizon, few samples do not find the maximum.
+    if (alpha_u != facets.alpha_v || half > 0.1 || axis.z < S(0.3)) continue;
+    // Members between samples; beyond alpha = 2 Beckmann's cosine and slope are taken apart.
+    const S loose = alpha_u > S(2) ? S(1.3) : S(1.05);
+    ASSERT_LE(over_cos.hi, most * loose) << "alpha " << alpha_u << ", half-angle " << half;
+    ASSERT_LE(masking.hi, most_masking * loose + S(0.01)) << "alpha " << alpha_u;
   }
 }
 

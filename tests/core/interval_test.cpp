@@ -187,7 +187,8 @@ TYPED_TEST(Intervals, GaussSlope) {
   check(*this, not_negative, positive_point, formula, formula, plain);
 }
 
-// Planted bugs seen to fail: PLANTED_GS2.
+// Planted bugs seen to fail: ends without their margin; a margin that does not grow with the exponent; the maximum
+// taken at the lower end of the axis of the lower rate.
 TYPED_TEST(Intervals, GaussSlopeOfTwoAxes) {
   using S = TypeParam;
   for (const auto& [p, q] : {std::pair<S, S>(S(0.3), S(40)), {S(6.25), S(1.5)}}) {
@@ -199,13 +200,14 @@ TYPED_TEST(Intervals, GaussSlopeOfTwoAxes) {
     check(*this, not_negative, not_negative, formula, exact, plain);
   }
 }
-// Planted bugs seen to fail: PLANTED_SR.
+// Planted bugs seen to fail: ends without their margin; the upper end taken at the lower end of t alone.
 TYPED_TEST(Intervals, SlopeRatio) {
   const auto formula = [](const auto& t, const auto& q) { return slope_ratio(t, q); };
   const auto exact = [](Wide t, Wide q) { return (1 + t) / (1 + q * t); };
   check(*this, not_negative, not_negative, formula, exact, formula);
   check(*this, not_negative, positive_point, formula, exact, formula);
 }
+// Planted bugs seen to fail: ends without their margin; two of the four corners left out.
 TYPED_TEST(Intervals, SlopeRatioOfTwoAxes) {
   using S = TypeParam;
   for (const auto& [p, q] : {std::pair<S, S>(S(0.3), S(40)), {S(6.25), S(1.5)}}) {
@@ -214,7 +216,7 @@ TYPED_TEST(Intervals, SlopeRatioOfTwoAxes) {
     check(*this, not_negative, not_negative, formula, exact, formula);
   }
 }
-// Planted bug seen to fail: PLANTED_WIDEN.
+// Planted bug seen to fail: half of the widening.
 TYPED_TEST(Intervals, Widening) {
   using S = TypeParam;
   const auto below = [](Wide x, Wide) { return x - Wide(1e-3) * std::abs(x); };

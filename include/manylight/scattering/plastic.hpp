@@ -46,9 +46,14 @@ struct Plastic {
   /// Of vectors the BSDF; of direction sets the range of its values over them.
   template <LocalDirection<S> Wi = Vec3<S>, LocalDirection<S> Wo = Vec3<S>>
   [[nodiscard]] auto eval(const Wi& wi, const Wo& wo) const noexcept {
-    const PatternScalar<Wi, Wo, S> inv_pi = k_inv_pi<S>;
-    return when(wi.z > S(0) && wo.z > S(0),
-                [&] { return base() * (transmittance(wi.z) * transmittance(wo.z) * inv_pi); });
+    if constexpr (std::is_same_v<PatternScalar<Wi, Wo, S>, S>) {
+      if (!local::both_above(wi, wo)) return Rgb<S>(0);
+      return base() * (transmittance(wi.z) * transmittance(wo.z) * k_inv_pi<S>);
+    } else {
+      return when(wi.z > S(0) && wo.z > S(0), [&] {
+        return base() * (transmittance(Interval<S>(wi.z)) * transmittance(Interval<S>(wo.z)) * k_inv_pi<S>);
+      });
+    }
   }
 
   [[nodiscard]] std::optional<DirectionSample<S>> sample(const Vec3<S>& known, Walk walk, S u_lobe,
@@ -90,8 +95,8 @@ struct Plastic {
   [[nodiscard]] static constexpr S sup_gloss_beyond(const Vec3<S>& /*wo*/, S /*theta*/) noexcept { return S(0); }
 
  private:
-  template <class Cosine>
-  [[nodiscard]] Cosine transmittance(const Cosine& cosine) const noexcept {
+  [[nodiscard]] S transmittance(S cosine) const noexcept { return S(1) - fresnel_dielectric(cosine, eta_).reflectance; }
+  [[nodiscard]] Interval<S> transmittance(const Interval<S>& cosine) const noexcept {
     return S(1) - reflectance_dielectric(cosine, eta_);
   }
   /// Total internal reflection aside, the transmittance falls monotonically with the angle.
