@@ -97,6 +97,13 @@ PlainMaterial PreparedMaterial::at(const Vec2<float>& uv) const noexcept {
     case MaterialKind::thin_dielectric:
       return ThinDielectric<float>{relative_ior(d), unit_range(d.specular_reflectance.eval(uv)),
                                    unit_range(d.specular_transmittance.eval(uv))};
+    case MaterialKind::rough_dielectric:
+      return RoughDielectric<float>{relative_ior(d),
+                                    d.distribution,
+                                    roughness(d.alpha_u, uv),
+                                    roughness(d.alpha_v, uv),
+                                    unit_range(d.specular_reflectance.eval(uv)),
+                                    unit_range(d.specular_transmittance.eval(uv))};
     case MaterialKind::diffuse:
     case MaterialKind::mixture:
     case MaterialKind::blend:

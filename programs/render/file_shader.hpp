@@ -13,6 +13,7 @@
 #include "manylight/scattering/oren_nayar.hpp"
 #include "manylight/scattering/phong.hpp"
 #include "manylight/scattering/plastic.hpp"
+#include "manylight/scattering/rough_dielectric.hpp"
 #include "manylight/scattering/rough_plastic.hpp"
 #include "manylight/scattering/ward.hpp"
 #include "manylight/scene/shader.hpp"
@@ -30,12 +31,14 @@ using WardSurface = Mixture<Lambertian<float>, Ward<float>>;
 /// Every material of a file that is not itself a mixture of others.
 using PlainMaterial =
     AnyOf<Lambertian<float>, RoughPlastic<float>, RoughConductor<float>, Plastic<float>, Dielectric<float>,
-          SmoothConductor<float>, ThinDielectric<float>, OrenNayar<float>, PhongSurface, WardSurface>;
+          SmoothConductor<float>, ThinDielectric<float>, RoughDielectric<float>, OrenNayar<float>, PhongSurface,
+          WardSurface>;
 inline constexpr std::size_t k_max_blend = 4;
 using Blend = Mixture<PlainMaterial, PlainMaterial, PlainMaterial, PlainMaterial>;
 using BlendedMaterial =
     AnyOf<Lambertian<float>, RoughPlastic<float>, RoughConductor<float>, Plastic<float>, Dielectric<float>,
-          SmoothConductor<float>, ThinDielectric<float>, OrenNayar<float>, PhongSurface, WardSurface, Blend>;
+          SmoothConductor<float>, ThinDielectric<float>, RoughDielectric<float>, OrenNayar<float>, PhongSurface,
+          WardSurface, Blend>;
 
 /// Opaque diffuse surfaces: no gloss, opacity or absorption code is instantiated.
 class DiffuseShader {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // <bsdf> elements.
 #include <array>
+#include <cmath>
 #include <utility>
 
 #include "manylight/scattering/metals.hpp"
@@ -17,7 +18,7 @@ constexpr int k_max_materials = 1'000'000;
 
 const char* const k_supported =
     "unknown material; supported are diffuse, roughdiffuse, phong, ward, conductor, roughconductor, plastic, "
-    "roughplastic, dielectric, thindielectric, null, mask, twosided, blendbsdf and mixturebsdf";
+    "roughplastic, dielectric, thindielectric, roughdielectric, null, mask, twosided, blendbsdf and mixturebsdf";
 
 MaterialDescription parse(Context& context, const Element& element);
 
@@ -224,11 +225,20 @@ void parse_plain(Context& context, Properties& p, const std::string& type, Mater
     if (!m.alpha_u.is_constant()) fail(p.element(), "a textured alpha is not supported here");
     if (context.document.major_version >= 2) m.internal_reflectance = InternalReflectance::singly_reflected_nodes;
   } else {
-    m.kind = type == "dielectric" ? MaterialKind::dielectric : MaterialKind::thin_dielectric;
+    m.kind = type == "dielectric"        ? MaterialKind::dielectric
+             : type == "roughdielectric" ? MaterialKind::rough_dielectric
+                                         : MaterialKind::thin_dielectric;
     take_texture_into(context, p, "specular_reflectance", m.specular_reflectance);
     take_texture_into(context, p, "specular_transmittance", m.specular_transmittance);
     m.interior_ior = take_ior(p, "int_ior", 1.5046);
     m.exterior_ior = take_ior(p, "ext_ior", 1.000277);
+    if (type == "roughdielectric") {
+      take_distribution(p, m);
+      take_roughness(context, p, m);
+      if (std::abs(m.interior_ior / m.exterior_ior - 1.0F) < 1e-3F) {
+        fail(p.element(), "both indices are the same, allowed: at least 0.1 % apart");
+      }
+    }
   }
 }
 
@@ -249,7 +259,8 @@ MaterialDescription parse(Context& context, const Element& element) {
   } else if (type == "phong" || type == "ward") {
     parse_lobes(context, p, type, m);
   } else if (type == "diffuse" || type == "roughdiffuse" || type == "conductor" || type == "roughconductor" ||
-             type == "plastic" || type == "roughplastic" || type == "dielectric" || type == "thindielectric") {
+             type == "plastic" || type == "roughplastic" || type == "dielectric" || type == "thindielectric" ||
+             type == "roughdielectric") {
     parse_plain(context, p, type, m);
   } else if (context.options.is_lenient) {
     context.scene.warnings.push_back(*element.file + ":" + std::to_string(element.line) + ": " + element.describe() +

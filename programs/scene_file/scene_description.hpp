@@ -48,6 +48,7 @@ enum class MaterialKind {
   rough_plastic,    ///< plastic with distribution, alpha_u
   dielectric,       ///< interior_ior, exterior_ior, specular_reflectance, specular_transmittance
   thin_dielectric,  ///< as dielectric: a slab without refraction
+  rough_dielectric, ///< dielectric with distribution, alpha_u, alpha_v
   mixture,          ///< sum of weights[i] * nested[i]
   blend,            ///< (1 - weights[0]) * nested[0] + weights[0] * nested[1]
   two_faces         ///< nested[0] on the outside, nested[1] (seen with a turned frame) on the inside

@@ -64,7 +64,7 @@ template <std::floating_point S>
 struct PatternBound {
   S diffuse = S(0);
   bool has_gloss = false;
-  bool has_both_sides = false;  ///< f may be positive for wi.z <= 0 (profiles: never)
+  bool has_both_sides = false;  ///< f may be positive for wi and wo of opposite sides
   GlossProfile<S> gloss{};
 };
 
@@ -79,6 +79,7 @@ template <Material M>
       bound.gloss.values[i] = m.sup_gloss_beyond(wo, k_profile_angles<S>[i]);
     }
     bound.has_gloss = bound.gloss.values[0] > S(0);
+    bound.has_both_sides = scatters_through(m);
   } else {
     bound.has_gloss = true;
     bound.has_both_sides = true;
