@@ -61,6 +61,7 @@
 #include "manylight/bounds/automatic.hpp"
 #include "manylight/bounds/box_pair.hpp"
 #include "manylight/bounds/pattern_bound.hpp"
+#include "manylight/scene/bent_normal.hpp"
 #include "manylight/scene/camera.hpp"
 #include "manylight/scene/concepts.hpp"
 #include "manylight/scene/emissive_shapes.hpp"

@@ -18,7 +18,8 @@ constexpr int k_max_materials = 1'000'000;
 
 const char* const k_supported =
     "unknown material; supported are diffuse, roughdiffuse, phong, ward, conductor, roughconductor, plastic, "
-    "roughplastic, dielectric, thindielectric, roughdielectric, null, mask, twosided, blendbsdf and mixturebsdf";
+    "roughplastic, dielectric, thindielectric, roughdielectric, null, mask, twosided, bumpmap, normalmap, "
+    "blendbsdf and mixturebsdf";
 
 MaterialDescription parse(Context& context, const Element& element);
 
@@ -149,6 +150,17 @@ MaterialDescription parse_mask(Context& context, Properties& p) {
   return m;
 }
 
+MaterialDescription parse_relief(Context& context, Properties& p, Relief relief) {
+  MaterialDescription m = parse(context, nested_bsdf(p));
+  if (m.relief != Relief::none) fail(p.element(), "a bump or normal map inside another is not supported");
+  const auto textures = p.take_all("texture");
+  if (textures.size() != 1) fail(p.element(), "needs exactly one nested <texture>");
+  m.relief = relief;
+  m.relief_map = parse_texture(context, *textures.front()->element, SpectrumRole::parameter);
+  if (relief == Relief::heights) m.relief_scale = static_cast<float>(p.number("scale", 1.0));
+  return m;
+}
+
 MaterialDescription parse_mix(Context& context, Properties& p, bool is_blend) {
   MaterialDescription m;
   m.kind = is_blend ? MaterialKind::blend : MaterialKind::mixture;
@@ -252,6 +264,8 @@ MaterialDescription parse(Context& context, const Element& element) {
     m = parse_two_sided(context, p);
   } else if (type == "mask") {
     m = parse_mask(context, p);
+  } else if (type == "bumpmap" || type == "normalmap") {
+    m = parse_relief(context, p, type == "bumpmap" ? Relief::heights : Relief::normals);
   } else if (type == "blendbsdf" || type == "mixturebsdf") {
     m = parse_mix(context, p, type == "blendbsdf");
   } else if (type == "null") {
