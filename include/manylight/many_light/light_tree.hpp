@@ -29,6 +29,7 @@ struct LightNode {
   S saturation = S(1);       ///< largest max_channel(I) / luminance(I) of the VPLs
   S diffuse = S(0);          ///< D <= min(limit, diffuse max(0, cos) / pi + gloss), cos to the nearest normal
   S gloss = S(0);            ///< sr^-1
+  S cos_cutoff = S(-1);      ///< no light leaves at an angle to the normals whose cosine is below; -1: not known
   std::uint32_t child = 0;   ///< index of the first child, the second follows
   LeafRange leaves;          ///< the VPLs, in leaf order
   bool is_leaf = true;
@@ -61,6 +62,11 @@ void set_leaf_pattern(LightNode<S>& node, const Vertex<S, M>& v) noexcept {
     case VertexKind::point_emitter:
       node.gloss = S(0.25) * k_inv_pi<S>;
       break;
+    case VertexKind::spot_emitter:
+      node.normals = DirectionCone<S>::of(v.ng);
+      node.gloss = S(0.25) * k_inv_pi<S>;
+      node.cos_cutoff = std::cos(v.w.y) - S(8) * std::numeric_limits<S>::epsilon();
+      break;
     case VertexKind::infinite_emitter:
       node.gloss = k_inv_pi<S>;
       break;
@@ -72,6 +78,7 @@ void set_leaf_pattern(LightNode<S>& node, const Vertex<S, M>& v) noexcept {
 template <std::floating_point S, class Directions>
 [[nodiscard]] inline S sup_light_pattern(const LightNode<S>& node, const Directions& from_light, S limit) noexcept {
   S cosine = S(1);
+  if (node.cos_cutoff > S(-1) && max_cosine(node.normals, from_light) < node.cos_cutoff) return S(0);
   if (node.diffuse > S(0) || node.gloss == k_infinity<S>) {
     cosine = max_cosine(node.normals, from_light);
     if (node.is_two_sided) cosine = std::max(cosine, max_cosine(node.normals, -from_light));
@@ -182,6 +189,7 @@ void LightTree<Scene>::combine(LightNode<S>& parent) const noexcept {
   parent.saturation = std::max(a.saturation, b.saturation);
   parent.diffuse = std::max(a.diffuse, b.diffuse);
   parent.gloss = std::max(a.gloss, b.gloss);
+  parent.cos_cutoff = std::min(a.cos_cutoff, b.cos_cutoff);
   parent.is_infinite = a.is_infinite;
   parent.is_exact = a.is_exact || b.is_exact;
   parent.is_two_sided = a.is_two_sided || b.is_two_sided;
