@@ -51,7 +51,9 @@ constexpr float k_min_alpha = 1e-4F;
 
 }  // namespace
 
-bool DiffuseShader::fits(const MaterialDescription& d) { return d.kind == MaterialKind::diffuse && !d.opacity; }
+bool DiffuseShader::fits(const MaterialDescription& d) {
+  return d.kind == MaterialKind::diffuse && !d.opacity && d.relief == Relief::none;
+}
 
 PreparedMaterial::PreparedMaterial(const MaterialDescription& description) : description_(description) {
   const MaterialDescription& d = description_;
@@ -97,6 +99,13 @@ PlainMaterial PreparedMaterial::at(const Vec2<float>& uv) const noexcept {
     case MaterialKind::thin_dielectric:
       return ThinDielectric<float>{relative_ior(d), unit_range(d.specular_reflectance.eval(uv)),
                                    unit_range(d.specular_transmittance.eval(uv))};
+    case MaterialKind::rough_dielectric:
+      return RoughDielectric<float>{relative_ior(d),
+                                    d.distribution,
+                                    roughness(d.alpha_u, uv),
+                                    roughness(d.alpha_v, uv),
+                                    unit_range(d.specular_reflectance.eval(uv)),
+                                    unit_range(d.specular_transmittance.eval(uv))};
     case MaterialKind::diffuse:
     case MaterialKind::mixture:
     case MaterialKind::blend:
@@ -109,6 +118,9 @@ template <class M>
 SurfaceShaderOf<M>::SurfaceShaderOf(const MaterialDescription& d, const Rgb<float>& interior_absorption)
     : kind_(d.kind),
       is_two_sided_(d.is_two_sided || d.kind == MaterialKind::two_faces),
+      relief_(d.relief),
+      relief_map_(d.relief_map),
+      relief_scale_(d.relief_scale),
       opacity_(d.opacity),
       interior_absorption_(interior_absorption),
       weights_(d.weights) {
@@ -119,7 +131,13 @@ SurfaceShaderOf<M>::SurfaceShaderOf(const MaterialDescription& d, const Rgb<floa
   if (d.nested.empty() || d.nested.size() > k_max_blend) {
     throw ParameterError("number of materials mixed by '" + d.name + "'", d.nested.size(), "1 to 4");
   }
-  for (const MaterialDescription& part : d.nested) parts_.emplace_back(part);
+  for (const MaterialDescription& part : d.nested) {
+    if (part.relief != Relief::none) {
+      throw ParameterError("material '" + part.name + "'", "a bump or normal map inside a mixture or two-faced material",
+                           "around it");
+    }
+    parts_.emplace_back(part);
+  }
 }
 
 template <class M>

@@ -13,8 +13,10 @@
 #include "manylight/scattering/oren_nayar.hpp"
 #include "manylight/scattering/phong.hpp"
 #include "manylight/scattering/plastic.hpp"
+#include "manylight/scattering/rough_dielectric.hpp"
 #include "manylight/scattering/rough_plastic.hpp"
 #include "manylight/scattering/ward.hpp"
+#include "manylight/scene/bent_normal.hpp"
 #include "manylight/scene/shader.hpp"
 #include "scene_file/scene_description.hpp"
 
@@ -23,6 +25,7 @@ namespace manylight::render {
 
 using scene_file::MaterialDescription;
 using scene_file::MaterialKind;
+using scene_file::Relief;
 
 using PhongSurface = Mixture<Lambertian<float>, Phong<float>>;
 using WardSurface = Mixture<Lambertian<float>, Ward<float>>;
@@ -30,12 +33,14 @@ using WardSurface = Mixture<Lambertian<float>, Ward<float>>;
 /// Every material of a file that is not itself a mixture of others.
 using PlainMaterial =
     AnyOf<Lambertian<float>, RoughPlastic<float>, RoughConductor<float>, Plastic<float>, Dielectric<float>,
-          SmoothConductor<float>, ThinDielectric<float>, OrenNayar<float>, PhongSurface, WardSurface>;
+          SmoothConductor<float>, ThinDielectric<float>, RoughDielectric<float>, OrenNayar<float>, PhongSurface,
+          WardSurface>;
 inline constexpr std::size_t k_max_blend = 4;
 using Blend = Mixture<PlainMaterial, PlainMaterial, PlainMaterial, PlainMaterial>;
 using BlendedMaterial =
     AnyOf<Lambertian<float>, RoughPlastic<float>, RoughConductor<float>, Plastic<float>, Dielectric<float>,
-          SmoothConductor<float>, ThinDielectric<float>, OrenNayar<float>, PhongSurface, WardSurface, Blend>;
+          SmoothConductor<float>, ThinDielectric<float>, RoughDielectric<float>, OrenNayar<float>, PhongSurface,
+          WardSurface, Blend>;
 
 /// Opaque diffuse surfaces: no gloss, opacity or absorption code is instantiated.
 class DiffuseShader {
@@ -90,6 +95,11 @@ class SurfaceShaderOf {
     const PreparedMaterial& side = parts_[kind_ == MaterialKind::two_faces && !outside ? 1 : 0];
     return side.at(point.uv).visit([](const auto& material) { return M(material); });
   }
+  [[nodiscard]] Vec3<float> shading_normal(const SurfacePoint<float>& point) const noexcept {
+    if (relief_ == Relief::none) return point.ns;
+    if (relief_ == Relief::heights) return bumped_normal(point, relief_map_.gradient(point.uv) * relief_scale_);
+    return mapped_normal(point, relief_map_.eval(point.uv) * 2.0F - Vec3<float>(1.0F));
+  }
   [[nodiscard]] bool is_two_sided() const noexcept { return is_two_sided_; }
   [[nodiscard]] bool is_transparent() const noexcept { return opacity_.has_value(); }
   [[nodiscard]] float opacity(const SurfacePoint<float>& point) const noexcept {
@@ -102,6 +112,9 @@ class SurfaceShaderOf {
 
   MaterialKind kind_;
   bool is_two_sided_;
+  Relief relief_;
+  Texture<float> relief_map_;
+  float relief_scale_;
   std::optional<Texture<float>> opacity_;
   Rgb<float> interior_absorption_;
   std::vector<PreparedMaterial> parts_;

@@ -108,6 +108,8 @@ Texture<float> parse_bitmap(Context& context, Properties& p) {
                                 to_uv);
 }
 
+}  // namespace
+
 Texture<float> parse_texture(Context& context, const Element& element, SpectrumRole role) {
   Properties p(element, context.names);
   if (element.get("type") == "bitmap") return parse_bitmap(context, p);
@@ -122,8 +124,6 @@ Texture<float> parse_texture(Context& context, const Element& element, SpectrumR
   }
   fail(element, "unknown texture; supported are bitmap and checkerboard");
 }
-
-}  // namespace
 
 Rgb<float> parse_color(const Context& context, const Element& element, SpectrumRole role) {
   const std::string& value = element.get("value");

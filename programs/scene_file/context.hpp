@@ -37,6 +37,8 @@ enum class SpectrumRole { ratio, emission, parameter };
 /// The colour called `name`, or `otherwise`.
 [[nodiscard]] Rgb<float> take_color(const Context& context, Properties& properties, const char* name, SpectrumRole role,
                                     const Rgb<float>& otherwise);
+/// A <texture>. Throws SceneFileError.
+[[nodiscard]] Texture<float> parse_texture(Context& context, const Element& element, SpectrumRole role);
 /// A colour or <texture>. `largest`: upper end of the allowed range of constants.
 [[nodiscard]] std::optional<Texture<float>> take_texture(Context& context, Properties& properties, const char* name,
                                                          SpectrumRole role, double largest);

@@ -16,6 +16,24 @@ void add_point(Context& context, Properties& p) {
   context.scene.emitters.points.push_back({position.value_or(Vec3<float>(to_world[3])), intensity});
 }
 
+void add_spot(Context& context, Properties& p) {
+  const glm::mat4 to_world = take_transform(p, "to_world");
+  PointEmitter<float> light;
+  light.position = Vec3<float>(to_world[3]);
+  light.axis = along_z(to_world);
+  light.intensity = take_color(context, p, "intensity", SpectrumRole::emission, Rgb<float>(1));
+  const double cutoff = p.number("cutoff_angle", 20.0);
+  const double beam_width = p.number("beam_width", 0.75 * cutoff);
+  if (!(cutoff > 0 && cutoff < 180)) fail(p.element(), "cutoff_angle is out of range, allowed: above 0 to below 180 degrees");
+  if (!(beam_width >= 0 && beam_width <= cutoff)) {
+    fail(p.element(), "beam_width is out of range, allowed: 0 to the cutoff_angle");
+  }
+  light.cutoff = static_cast<float>(cutoff * k_pi<double> / 180);
+  light.beam_width = std::min(static_cast<float>(beam_width * k_pi<double> / 180), light.cutoff);
+  if (p.take("texture") != nullptr) fail(p.element(), "a texture on a spot light is not supported");
+  context.scene.emitters.points.push_back(light);
+}
+
 void add_directional(Context& context, Properties& p) {
   const auto direction = p.vector("direction");
   const glm::mat4 to_world = take_transform(p, "to_world");
@@ -44,6 +62,8 @@ void add_emitter(Context& context, const Element& element) {
   Properties p(element, context.names);
   if (type == "point") {
     add_point(context, p);
+  } else if (type == "spot") {
+    add_spot(context, p);
   } else if (type == "directional") {
     add_directional(context, p);
   } else if (type == "constant") {
@@ -53,7 +73,7 @@ void add_emitter(Context& context, const Element& element) {
   } else if (type == "envmap") {
     add_environment_map(context, p);
   } else {
-    fail(element, "unknown emitter; supported are point, directional, constant and envmap, and area inside a <shape>");
+    fail(element, "unknown emitter; supported are point, spot, directional, constant and envmap, and area inside a <shape>");
   }
   p.ignore({"sampling_weight"});
   p.finish();

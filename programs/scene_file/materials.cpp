@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // <bsdf> elements.
 #include <array>
+#include <cmath>
 #include <utility>
 
 #include "manylight/scattering/metals.hpp"
@@ -17,7 +18,8 @@ constexpr int k_max_materials = 1'000'000;
 
 const char* const k_supported =
     "unknown material; supported are diffuse, roughdiffuse, phong, ward, conductor, roughconductor, plastic, "
-    "roughplastic, dielectric, thindielectric, null, mask, twosided, blendbsdf and mixturebsdf";
+    "roughplastic, dielectric, thindielectric, roughdielectric, null, mask, twosided, bumpmap, normalmap, "
+    "blendbsdf and mixturebsdf";
 
 MaterialDescription parse(Context& context, const Element& element);
 
@@ -148,6 +150,18 @@ MaterialDescription parse_mask(Context& context, Properties& p) {
   return m;
 }
 
+MaterialDescription parse_relief(Context& context, Properties& p, Relief relief) {
+  MaterialDescription m = parse(context, nested_bsdf(p));
+  if (m.relief != Relief::none) fail(p.element(), "a bump or normal map inside another is not supported");
+  const auto textures = p.take_all("texture");
+  if (textures.size() != 1) fail(p.element(), "needs exactly one nested <texture>");
+  m.relief = relief;
+  m.relief_map = parse_texture(context, *textures.front()->element, SpectrumRole::parameter);
+  if (relief == Relief::heights) m.relief_scale = static_cast<float>(p.number("scale", 1.0));
+  p.ignore({"flip_invalid_normals", "use_shadowing_function"});
+  return m;
+}
+
 MaterialDescription parse_mix(Context& context, Properties& p, bool is_blend) {
   MaterialDescription m;
   m.kind = is_blend ? MaterialKind::blend : MaterialKind::mixture;
@@ -224,11 +238,20 @@ void parse_plain(Context& context, Properties& p, const std::string& type, Mater
     if (!m.alpha_u.is_constant()) fail(p.element(), "a textured alpha is not supported here");
     if (context.document.major_version >= 2) m.internal_reflectance = InternalReflectance::singly_reflected_nodes;
   } else {
-    m.kind = type == "dielectric" ? MaterialKind::dielectric : MaterialKind::thin_dielectric;
+    m.kind = type == "dielectric"        ? MaterialKind::dielectric
+             : type == "roughdielectric" ? MaterialKind::rough_dielectric
+                                         : MaterialKind::thin_dielectric;
     take_texture_into(context, p, "specular_reflectance", m.specular_reflectance);
     take_texture_into(context, p, "specular_transmittance", m.specular_transmittance);
     m.interior_ior = take_ior(p, "int_ior", 1.5046);
     m.exterior_ior = take_ior(p, "ext_ior", 1.000277);
+    if (type == "roughdielectric") {
+      take_distribution(p, m);
+      take_roughness(context, p, m);
+      if (std::abs(m.interior_ior / m.exterior_ior - 1.0F) < 1e-3F) {
+        fail(p.element(), "both indices are the same, allowed: at least 0.1 % apart");
+      }
+    }
   }
 }
 
@@ -242,6 +265,8 @@ MaterialDescription parse(Context& context, const Element& element) {
     m = parse_two_sided(context, p);
   } else if (type == "mask") {
     m = parse_mask(context, p);
+  } else if (type == "bumpmap" || type == "normalmap") {
+    m = parse_relief(context, p, type == "bumpmap" ? Relief::heights : Relief::normals);
   } else if (type == "blendbsdf" || type == "mixturebsdf") {
     m = parse_mix(context, p, type == "blendbsdf");
   } else if (type == "null") {
@@ -249,7 +274,8 @@ MaterialDescription parse(Context& context, const Element& element) {
   } else if (type == "phong" || type == "ward") {
     parse_lobes(context, p, type, m);
   } else if (type == "diffuse" || type == "roughdiffuse" || type == "conductor" || type == "roughconductor" ||
-             type == "plastic" || type == "roughplastic" || type == "dielectric" || type == "thindielectric") {
+             type == "plastic" || type == "roughplastic" || type == "dielectric" || type == "thindielectric" ||
+             type == "roughdielectric") {
     parse_plain(context, p, type, m);
   } else if (context.options.is_lenient) {
     context.scene.warnings.push_back(*element.file + ":" + std::to_string(element.line) + ": " + element.describe() +

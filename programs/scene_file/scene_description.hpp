@@ -48,10 +48,14 @@ enum class MaterialKind {
   rough_plastic,    ///< plastic with distribution, alpha_u
   dielectric,       ///< interior_ior, exterior_ior, specular_reflectance, specular_transmittance
   thin_dielectric,  ///< as dielectric: a slab without refraction
+  rough_dielectric, ///< dielectric with distribution, alpha_u, alpha_v
   mixture,          ///< sum of weights[i] * nested[i]
   blend,            ///< (1 - weights[0]) * nested[0] + weights[0] * nested[1]
   two_faces         ///< nested[0] on the outside, nested[1] (seen with a turned frame) on the inside
 };
+
+/// What bends the shading normals of a material: nothing, a height, or normals in the shading frame, n / 2 + 1 / 2.
+enum class Relief { none, heights, normals };
 
 /// Parameters of a scattering model; which ones count is said beside its kind. Textures are checked to lie in range.
 struct MaterialDescription {
@@ -59,6 +63,9 @@ struct MaterialDescription {
   std::string name;  ///< id or place in the file, for messages
   bool is_two_sided = false;
   std::optional<Texture<float>> opacity;  ///< fraction of light that the surface stops, [0, 1] after clamping
+  Relief relief = Relief::none;
+  Texture<float> relief_map{0.0F};
+  float relief_scale = 1.0F;  ///< m per unit of the map; heights only
 
   Texture<float> reflectance{0.5F};             ///< [0, 1]
   Texture<float> specular_reflectance{1.0F};    ///< [0, 1]

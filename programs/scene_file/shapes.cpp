@@ -67,7 +67,8 @@ Rgb<float> take_absorption(Context& context, Properties& p, std::uint32_t materi
   const Rgb<float> albedo = take_color(context, m, "albedo", SpectrumRole::ratio, Rgb<float>(0));
   const auto scale = static_cast<float>(m.positive("scale", 1.0));
   const MaterialKind kind = context.scene.materials[material].kind;
-  const bool is_dielectric = kind == MaterialKind::dielectric || kind == MaterialKind::thin_dielectric;
+  const bool is_dielectric = kind == MaterialKind::dielectric || kind == MaterialKind::thin_dielectric ||
+                             kind == MaterialKind::rough_dielectric;
   if (!is_black(sigma_s) || !is_black(albedo) || !is_dielectric) fail(*medium, unsupported);
   m.ignore_tags({"phase"});
   m.finish();

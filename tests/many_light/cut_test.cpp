@@ -66,7 +66,8 @@ WeightingConfig<S> random_config(RandomVertices<S>& random) {
 
 const std::vector<VertexKind> k_all_kinds{VertexKind::surface,       VertexKind::surface,
                                           VertexKind::area_emitter,  VertexKind::two_sided_area_emitter,
-                                          VertexKind::point_emitter, VertexKind::infinite_emitter};
+                                          VertexKind::point_emitter, VertexKind::spot_emitter,
+                                          VertexKind::infinite_emitter};
 
 struct Difference {
   double relative;   ///< largest over the channels, relative to the luminance

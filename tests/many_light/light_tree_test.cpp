@@ -18,7 +18,7 @@ using test::RandomVertices;
 
 const std::vector<VertexKind> k_all_kinds{VertexKind::surface, VertexKind::area_emitter,
                                           VertexKind::two_sided_area_emitter, VertexKind::point_emitter,
-                                          VertexKind::infinite_emitter};
+                                          VertexKind::spot_emitter, VertexKind::infinite_emitter};
 
 template <class S>
 std::vector<VertexOf<test::MixedScene<S>>> random_lights(RandomVertices<S>& random, std::size_t count, Gloss gloss,
@@ -120,7 +120,7 @@ TYPED_TEST(LightTrees, EveryNodeHoldsItsMembers) {
 }
 
 // Planted bugs seen to fail: normals of the left child only; a cluster two-sided only if all its lights are; the
-// smaller `diffuse` kept.
+// smaller `diffuse` kept; the narrowest cutoff of a cluster's spot lights.
 TYPED_TEST(LightTrees, PatternBoundHoldsForEveryMember) {
   using S = TypeParam;
   RandomVertices<S> random(2);

@@ -50,6 +50,8 @@ INSTANTIATE_TEST_SUITE_P(
         ZCase{"test_textured_diffuse", "bsdf_spheres", "test_textured_diffuse_path.xml"},
         ZCase{"test_textured_roughconductor", "bsdf_spheres", "test_textured_roughconductor_path.xml"},
         ZCase{"test_roughplastic_linear", "bsdf_spheres", "test_roughplastic_linear_path.xml"},
+        ZCase{"test_constant", "bsdf_spheres", "test_constant_path.xml"},
+        ZCase{"test_arealight", "bsdf_spheres", "test_arealight_path.xml"},
         ZCase{"test_surf_area_light", "participating_media", "test_surf_area_light_volpath.xml"}),
     [](const auto& each) { return std::string(each.param.name); });
 

@@ -108,6 +108,35 @@ TEST_F(SceneFile, MaskTwoSidedAndBlendNest) {
   EXPECT_EQ(m.nested.size(), 2U);
 }
 
+TEST_F(SceneFile, RoughDielectric) {
+  const SceneDescription scene = load(floor_scene(
+      "", "<bsdf type=\"roughdielectric\"><string name=\"distribution\" value=\"ggx\"/><string name=\"int_ior\" "
+          "value=\"diamond\"/><float name=\"alpha_u\" value=\"0.3\"/><float name=\"alpha_v\" value=\"0.05\"/></bsdf>"));
+  const MaterialDescription& m = scene.materials[0];
+  EXPECT_EQ(m.kind, MaterialKind::rough_dielectric);
+  EXPECT_EQ(m.distribution, MicrofacetType::ggx);
+  EXPECT_FLOAT_EQ(m.interior_ior, 2.419F);
+  EXPECT_FLOAT_EQ(m.alpha_u.mean().x, 0.3F);
+  EXPECT_FLOAT_EQ(m.alpha_v.mean().x, 0.05F);
+}
+
+std::string relief(const std::string& type, const std::string& nested) {
+  return "<bsdf type=\"" + type + "\"><texture name=\"any\" type=\"checkerboard\"/>" + nested + "</bsdf>";
+}
+
+TEST_F(SceneFile, BumpAndNormalMapsStandAroundAMaterial) {
+  const std::string nested = "<float name=\"scale\" value=\"-0.5\"/><bsdf type=\"phong\"/>";
+  const MaterialDescription bumped = load(floor_scene("", relief("bumpmap", nested))).materials[0];
+  EXPECT_EQ(bumped.kind, MaterialKind::phong);
+  EXPECT_EQ(bumped.relief, Relief::heights);
+  EXPECT_FLOAT_EQ(bumped.relief_scale, -0.5F);
+  const MaterialDescription mapped = load(floor_scene("", relief("normalmap", "<bsdf type=\"mask\"><bsdf "
+                                                                              "type=\"diffuse\"/></bsdf>")))
+                                         .materials[0];
+  EXPECT_EQ(mapped.relief, Relief::normals);
+  EXPECT_TRUE(mapped.opacity.has_value());
+}
+
 struct BadCase {
   const char* name;
   std::string text;
@@ -153,6 +182,14 @@ INSTANTIATE_TEST_SUITE_P(
                 "oughness"},
         BadCase{"NegativeLight", floor_scene("<emitter type=\"constant\"><rgb name=\"radiance\" value=\"-1\"/></emitter>"),
                 "-1"},
+        BadCase{"SameIndices",
+                floor_scene("", "<bsdf type=\"roughdielectric\"><float name=\"int_ior\" value=\"1.2\"/><float "
+                                "name=\"ext_ior\" value=\"1.2\"/></bsdf>"),
+                "both indices are the same"},
+        BadCase{"BumpWithoutTexture", floor_scene("", "<bsdf type=\"bumpmap\"><bsdf type=\"diffuse\"/></bsdf>"),
+                "exactly one nested <texture>"},
+        BadCase{"BumpOfBump", floor_scene("", relief("bumpmap", relief("normalmap", "<bsdf type=\"diffuse\"/>"))),
+                "inside another"},
         BadCase{"NoCamera", without(floor_scene(), "<sensor", "</sensor>"), "no camera"},
         BadCase{"NoEmitter", without(floor_scene(), "<emitter", "</emitter>"), "no emitters"},
         BadCase{"NoShapes", without(floor_scene(), "<shape", "</shape>"), "no shapes"},

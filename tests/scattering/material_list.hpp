@@ -12,6 +12,7 @@
 #include "manylight/scattering/oren_nayar.hpp"
 #include "manylight/scattering/phong.hpp"
 #include "manylight/scattering/plastic.hpp"
+#include "manylight/scattering/rough_dielectric.hpp"
 #include "manylight/scattering/rough_plastic.hpp"
 #include "manylight/scattering/ward.hpp"
 

@@ -22,7 +22,7 @@ static_assert(is_small_value<OrenNayar<float>> && is_small_value<Phong<float>> &
 static_assert(is_small_value<Mirror<float>> && is_small_value<SmoothConductor<float>>);
 static_assert(is_small_value<RoughConductor<float>> && is_small_value<Dielectric<float>>);
 static_assert(is_small_value<ThinDielectric<float>> && is_small_value<Plastic<float>>);
-static_assert(is_small_value<RoughPlastic<float>>);
+static_assert(is_small_value<RoughPlastic<float>> && is_small_value<RoughDielectric<float>>);
 static_assert(is_small_value<Mixture<Lambertian<float>, Ward<float>>>);
 static_assert(is_small_value<AnyOf<Lambertian<float>, RoughPlastic<float>, RoughConductor<float>, Dielectric<float>>>);
 static_assert(BoundedMaterial<Mixture<Lambertian<double>, Mirror<double>>>);
@@ -164,7 +164,11 @@ void grazing_directions() {
   all_pairs("Dielectric", Dielectric<S>{});
   all_pairs("Dielectric inverse", Dielectric<S>{S(0.7)});
   all_pairs("ThinDielectric", ThinDielectric<S>{});
+  all_pairs("RoughDielectric", RoughDielectric<S>{S(1.5), MicrofacetType::ggx, S(0.3), S(0.1)});
+  all_pairs("RoughDielectric inverse", RoughDielectric<S>{S(0.7), MicrofacetType::beckmann, S(0.5), S(0.5)});
   // The sharpest roughness that is allowed.
+  all_pairs("RoughDielectric 1e-4", RoughDielectric<S>{S(1.5), MicrofacetType::beckmann, S(1e-4), S(1e-4)});
+  all_pairs("RoughDielectric weak", RoughDielectric<S>{S(1.001), MicrofacetType::ggx, S(1e-4), S(1e-4)});
   all_pairs("Ward 1e-4", Ward<S>{Rgb<S>(1), S(1e-4), S(1e-4)});
   all_pairs("GGX 1e-4", RoughConductor<S>{MicrofacetType::ggx, S(1e-4), S(1e-4)});
   all_pairs("Beckmann 1e-4", RoughConductor<S>{MicrofacetType::beckmann, S(1e-4), S(1e-4)});
@@ -230,6 +234,8 @@ TEST(Materials, RejectBadParameters) {
     EXPECT_THROW((RoughTransmittance<double>(MicrofacetType::ggx, bad, 1.5)), ParameterError);
     expect_rejected(Dielectric<double>{bad}, "Dielectric eta");
     expect_rejected(ThinDielectric<double>{bad}, "ThinDielectric eta");
+    expect_rejected(RoughDielectric<double>{bad}, "RoughDielectric eta");
+    expect_rejected(RoughDielectric<double>{1.5, MicrofacetType::ggx, 0.1, bad}, "RoughDielectric alpha_v");
     expect_rejected(Plastic<double>(Rgb<double>(1), Rgb<double>(1), bad), "Plastic eta");
   }
   for (const double bad : {nan, -1.0, inf}) {
@@ -241,6 +247,7 @@ TEST(Materials, RejectBadParameters) {
                     "Mixture weight");
   }
   expect_rejected(RoughPlastic<double>{}, "RoughPlastic coat");
+  expect_rejected(RoughDielectric<double>{1.0}, "RoughDielectric eta");
   EXPECT_THROW((RoughTransmittance<double>(MicrofacetType::ggx, 0.1, nan)), ParameterError);
   for_each_material<float>(
       [](const std::string& name, const auto& material) { EXPECT_NO_THROW(material.validate()) << name; });

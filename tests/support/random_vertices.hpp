@@ -107,7 +107,11 @@ class RandomVertices {
       v.ng = kind == VertexKind::point_emitter || kind == VertexKind::infinite_emitter ? Vec3<S>(0) : ng;
     }
     v.kind = kind;
-    v.exact = kind == VertexKind::point_emitter || (kind == VertexKind::infinite_emitter && chance(0.5));
+    if (kind == VertexKind::spot_emitter) {
+      const S cutoff = log_uniform(0.02, 3.1);
+      v.w = {chance(0.2) ? cutoff : uniform(0, static_cast<double>(cutoff)), cutoff, S(0)};
+    }
+    v.exact = kind == VertexKind::point_emitter || kind == VertexKind::spot_emitter || (kind == VertexKind::infinite_emitter && chance(0.5));
     v.strength = color(0.05, 1) * log_uniform(0.1, 10);
     return v;
   }

@@ -34,7 +34,8 @@ struct SurfacePoint {
   S error;                  ///< bound of the absolute error of each coordinate of `position`, m
   Vec3<S> ng;               ///< geometric unit normal, on the side that the shape declares as outside
   Vec3<S> ns;               ///< shading unit normal, same hemisphere as `ng`
-  Vec3<S> dpdu;             ///< tangent along u, any length, (0,0,0) if unknown
+  Vec3<S> dpdu;             ///< derivative of the position by u, m, (0,0,0) if unknown
+  Vec3<S> dpdv;             ///< the same by v
   Vec2<S> uv;
   std::uint32_t shape;
   std::uint32_t primitive;

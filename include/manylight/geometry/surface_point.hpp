@@ -31,16 +31,19 @@ template <std::floating_point S>
   return rounding_gamma<S>(16) * extent;
 }
 
-/// Derivative of the position by u: solves [dp1 dp2] = [dpdu dpdv] [duv1 duv2]; zero if the uv triangle is degenerate.
+/// Derivatives of the position by u and v: solves [dp1 dp2] = [dpdu dpdv] [duv1 duv2]; zero if the uv triangle is
+/// degenerate.
 template <std::floating_point S>
-[[nodiscard]] inline Vec3<S> tangent_from_uv(const std::array<Vec3<S>, 3>& p,
-                                             const std::array<Vec2<S>, 3>& uv) noexcept {
+[[nodiscard]] inline std::array<Vec3<S>, 2> tangents_from_uv(const std::array<Vec3<S>, 3>& p,
+                                                             const std::array<Vec2<S>, 3>& uv) noexcept {
   const Vec2<S> duv1 = uv[1] - uv[0];
   const Vec2<S> duv2 = uv[2] - uv[0];
   const S determinant = duv1.x * duv2.y - duv1.y * duv2.x;
-  if (determinant == S(0)) return Vec3<S>(0);
+  if (determinant == S(0)) return {Vec3<S>(0), Vec3<S>(0)};
   const Vec3<S> dpdu = ((p[1] - p[0]) * duv2.y - (p[2] - p[0]) * duv1.y) / determinant;
-  return is_finite(dpdu) ? dpdu : Vec3<S>(0);
+  const Vec3<S> dpdv = ((p[2] - p[0]) * duv1.x - (p[1] - p[0]) * duv2.x) / determinant;
+  if (!is_finite(dpdu) || !is_finite(dpdv)) return {Vec3<S>(0), Vec3<S>(0)};
+  return {dpdu, dpdv};
 }
 
 template <std::floating_point S>
@@ -72,7 +75,9 @@ template <std::floating_point S>
   if (!mesh.uvs.empty()) {
     const std::array<Vec2<S>, 3> uv{mesh.uvs[corner[0]], mesh.uvs[corner[1]], mesh.uvs[corner[2]]};
     point.uv = uv[0] * b[0] + uv[1] * b[1] + uv[2] * b[2];
-    point.dpdu = tangent_from_uv(p, uv);
+    const std::array<Vec3<S>, 2> tangents = tangents_from_uv(p, uv);
+    point.dpdu = tangents[0];
+    point.dpdv = tangents[1];
   }
   return point;
 }
@@ -100,6 +105,9 @@ template <std::floating_point S>
   point.ns = point.ng;
   point.uv = {azimuth_fraction(normal.y, normal.x), std::acos(std::clamp(normal.z, S(-1), S(1))) * k_inv_pi<S>};
   point.dpdu = Vec3<S>(-normal.y, normal.x, S(0)) * (S(2) * k_pi<S> * sphere.radius);
+  const S sine = std::sqrt(normal.x * normal.x + normal.y * normal.y);
+  const Vec2<S> outwards = sine > S(0) ? Vec2<S>(normal) / sine : Vec2<S>(S(1), S(0));
+  point.dpdv = Vec3<S>(outwards * normal.z, -sine) * (k_pi<S> * sphere.radius);
   return point;
 }
 
@@ -122,6 +130,7 @@ template <std::floating_point S>
       std::min(distance / disk.radius, S(1)),
       azimuth_fraction(glm::dot(radial, glm::cross(disk.normal, disk.tangent)), glm::dot(radial, disk.tangent))};
   point.dpdu = distance > S(0) ? radial * (disk.radius / distance) : disk.tangent * disk.radius;
+  point.dpdv = glm::cross(disk.normal, radial) * (S(2) * k_pi<S>);
   return point;
 }
 
@@ -132,7 +141,7 @@ template <std::floating_point S>
 ///    where the mesh has vertex normals it turns to their side; ns is the interpolated normal, so that always
 ///    dot(ng, ns) >= 0 (Mitsuba's convention). A zero vertex normal falls back to ng. `flip_normals` turns both.
 ///  - Spheres, disks: the end of the ray is projected back onto the surface.
-/// A mesh without uv gets the barycentric weights (u, v) as uv and no tangent.
+/// A mesh without uv gets the barycentric weights (u, v) as uv and no tangents.
 template <std::floating_point S>
 [[nodiscard]] inline SurfacePoint<S> surface_point(const Shapes<S>& shapes, const Ray<S>& ray,
                                                    const Hit<S>& hit) noexcept {

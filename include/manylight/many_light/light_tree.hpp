@@ -31,6 +31,7 @@ struct LightNode {
   Rgb<S> intensity{0};       ///< sum of I, W
   S saturation = S(1);       ///< largest max_channel(I) / luminance(I) of the VPLs
   S peak = S(0);             ///< D <= min(limit, peak max(0, cos)), cos to the nearest normal, sr^-1; may be infinite
+  S cos_cutoff = S(-1);      ///< above -1: spot lights, D <= peak where cos >= cos_cutoff, else 0
   std::array<std::uint32_t, 2> children{};  ///< ids of the children of an inner node
   LeafRange leaves;          ///< the VPLs, in leaf order
   bool is_leaf = true;
@@ -52,6 +53,7 @@ template <std::floating_point S, Material M, PatternBounds<M> B>
     case VertexKind::two_sided_area_emitter:
       return {k_inv_pi<S>, true};
     case VertexKind::point_emitter:
+    case VertexKind::spot_emitter:
       return {S(0.25) * k_inv_pi<S>, false};
     case VertexKind::infinite_emitter:
       return {k_inv_pi<S>, false};
@@ -64,6 +66,7 @@ template <std::floating_point S, Material M, PatternBounds<M> B>
 template <std::floating_point S, class Directions>
 [[nodiscard]] inline S sup_light_pattern(const LightNode<S>& node, const Directions& from_light, S limit) noexcept {
   S cosine = max_cosine(node.normals, from_light);
+  if (node.cos_cutoff > S(-1)) return cosine < node.cos_cutoff ? S(0) : std::min(limit, node.peak);
   if (node.is_two_sided) cosine = std::max(cosine, max_cosine(node.normals, -from_light));
   return cosine > S(0) ? std::min(limit, node.peak * cosine) : S(0);
 }
@@ -206,6 +209,7 @@ LightNode<typename Scene::Scalar> LightTree<Scene>::leaf_node(std::uint32_t leaf
   // An emitter without a normal keeps the full cone: its D does not depend on the direction.
   const bool has_normal = v.kind != VertexKind::point_emitter && v.kind != VertexKind::infinite_emitter;
   if (has_normal) node.normals = DirectionCone<S>::of(v.ng);
+  if (v.kind == VertexKind::spot_emitter) node.cos_cutoff = std::cos(v.w.y) - S(8) * std::numeric_limits<S>::epsilon();
   return node;
 }
 
@@ -221,6 +225,9 @@ void LightTree<Scene>::combine(LightNode<S>& parent) const noexcept {
   parent.intensity = a.intensity + b.intensity;
   parent.saturation = std::max(a.saturation, b.saturation);
   parent.peak = std::max(a.peak, b.peak);
+  parent.cos_cutoff = std::min(a.cos_cutoff, b.cos_cutoff);
+  // Spot lights and others in one cluster have no bound by angles: the full cone makes the cosine 1.
+  if ((a.cos_cutoff > S(-1)) != (b.cos_cutoff > S(-1))) parent.normals = {};
   parent.is_infinite = a.is_infinite;
   parent.is_exact = a.is_exact || b.is_exact;
   parent.is_two_sided = a.is_two_sided || b.is_two_sided;

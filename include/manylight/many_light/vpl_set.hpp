@@ -38,6 +38,11 @@ void append_exact_vpls(const Scene& scene, std::vector<VertexOf<Scene>>& out) {
     v.exact = true;
     v.position = light.position;
     v.ng = Vec3<S>(0);
+    if (light.is_spot()) {
+      v.kind = VertexKind::spot_emitter;
+      v.ng = light.axis;
+      v.w = {light.beam_width, light.cutoff, S(0)};
+    }
     v.strength = light.intensity * (S(4) * k_pi<S>);
     if (max_channel(v.strength) > S(0)) out.push_back(v);
   }

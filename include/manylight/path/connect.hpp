@@ -61,6 +61,7 @@ template <std::floating_point S, Material M>
     case VertexKind::area_emitter: return Rgb<S>(std::max(S(0), glm::dot(wo, v.ng)) * k_inv_pi<S>);
     case VertexKind::two_sided_area_emitter: return Rgb<S>(std::abs(glm::dot(wo, v.ng)) * k_inv_pi<S>);
     case VertexKind::point_emitter: return Rgb<S>(S(0.25) * k_inv_pi<S>);
+    case VertexKind::spot_emitter: return Rgb<S>(S(0.25) * k_inv_pi<S> * spot_falloff(wo, v.ng, v.w.x, v.w.y));
     case VertexKind::infinite_emitter: return Rgb<S>(k_inv_pi<S>);
   }
   return Rgb<S>(0);

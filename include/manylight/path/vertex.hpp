@@ -51,6 +51,7 @@ enum class VertexKind : std::uint8_t {
   area_emitter,    ///< Lambertian emission on the side of ng
   two_sided_area_emitter,  ///< Lambertian emission on both sides
   point_emitter,   ///< isotropic emission
+  spot_emitter,    ///< within a cone around `ng`: `w` holds its beam width and cutoff (rad), see `spot_falloff`
   infinite_emitter ///< environment or directional: `position` is the unit direction towards the light
 };
 
@@ -62,7 +63,7 @@ struct Vertex {
   Vec3<S> position{0};
   S error = S(0);         ///< bound of the absolute error of `position`, m
   Vec3<S> ng{0, 0, 1};    ///< geometric normal, on the side of `w` for two-sided surfaces
-  Vec3<S> w{0, 0, 1};     ///< known direction: `wo` (to the previous eye vertex) of a VPS, `wi` of a VPL
+  Vec3<S> w{0, 0, 1};     ///< known direction: `wo` (to the previous eye vertex) of a VPS, `wi` of a VPL on a surface
   detail::ShadingFrame<S, k_is_isotropic<M>> shading;
   M material{};
   S alpha = S(0);         ///< normaliser of the pattern: largest channel of the material's albedo

@@ -75,6 +75,10 @@ class AnyOf {
     return visit([&](const auto& m) { return manylight::sampling_weight(m, known); });
   }
 
+  [[nodiscard]] bool scatters_through() const noexcept {
+    return visit([](const auto& m) { return manylight::scatters_through(m); });
+  }
+
   // ---- bounds (see BoundedMaterial) ----
   [[nodiscard]] S sup_cos_eval(const Vec3<S>& wo) const noexcept
       requires(BoundedMaterial<M> && (BoundedMaterial<Ms> && ...)) {

@@ -99,6 +99,17 @@ concept BoundedMaterial = Material<M> &&
   { m.sup_gloss_beyond(w, theta) } -> std::same_as<typename M::Scalar>;
 };
 
+/// Whether a part that is not delta lets light through the surface, so that eval may be positive for directions of
+/// opposite sides: the material's own `scatters_through()` if it has one, else false.
+template <Material M>
+[[nodiscard]] inline bool scatters_through(const M& material) noexcept {
+  if constexpr (requires { material.scatters_through(); }) {
+    return material.scatters_through();
+  } else {
+    return false;
+  }
+}
+
 /// A material may state `static constexpr bool k_isotropic = true`: a rotation of both directions about the normal
 /// never changes `eval`, whatever its parameters. Its vertices then store a normal instead of a frame.
 template <class M>

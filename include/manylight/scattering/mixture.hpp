@@ -128,6 +128,12 @@ class Mixture {
     return sum<S>([&](const auto& lobe) { return manylight::sampling_weight(lobe, known); });
   }
 
+  [[nodiscard]] bool scatters_through() const noexcept {
+    bool any = false;
+    lobes_.for_each([&](const auto& x) { any = any || (x.weight > S(0) && manylight::scatters_through(x.lobe)); });
+    return any;
+  }
+
   /// Calls `visit` with each WeightedLobe in turn.
   template <class Visit>
   void for_each(const Visit& visit) const noexcept {

@@ -64,6 +64,9 @@ class Texture {
 
   /// The value at `uv`; a coordinate that is not finite counts as 0.
   [[nodiscard]] Rgb<S> eval(const Vec2<S>& uv) const noexcept;
+  /// Derivatives of the value's luminance by u and v: of the bilinear surface between texels; 0 where the texture is
+  /// constant by pieces.
+  [[nodiscard]] Vec2<S> gradient(const Vec2<S>& uv) const noexcept;
   /// Average over one period, per channel.
   [[nodiscard]] const Rgb<S>& mean() const noexcept { return mean_; }
   /// Largest value per channel: no lookup is above it.
@@ -73,7 +76,16 @@ class Texture {
  private:
   enum class Kind : std::uint8_t { constant, bitmap, checkerboard };
 
-  [[nodiscard]] Rgb<S> eval_bitmap(const Vec2<S>& uv) const noexcept;
+  /// Four neighbouring texels and where between them a point lies.
+  struct Cell {
+    Rgb<S> c00, c10, c01, c11;  ///< column, then row
+    S s, t;                     ///< to the next column and row, [0, 1)
+  };
+
+  /// `uv` mapped, without what would overflow an integer.
+  [[nodiscard]] Vec2<S> mapped(const Vec2<S>& uv) const noexcept;
+  [[nodiscard]] Cell cell(const Vec2<S>& at) const noexcept;
+  [[nodiscard]] Rgb<S> eval_bitmap(const Vec2<S>& at) const noexcept;
   [[nodiscard]] const Rgb<S>& texel(std::int64_t x, std::int64_t y) const noexcept;
   [[nodiscard]] static std::int64_t wrapped(std::int64_t i, std::int64_t n, TextureWrap wrap) noexcept;
   void summarise_bitmap();
@@ -132,10 +144,7 @@ void Texture<S>::summarise_bitmap() {
 template <std::floating_point S>
 Rgb<S> Texture<S>::eval(const Vec2<S>& uv) const noexcept {
   if (kind_ == Kind::constant) return first_;
-  Vec2<S> at = to_uv_(uv);
-  // Beyond 2^30 no fraction of a period is left in float; such a coordinate (or NaN) must not overflow an integer.
-  if (!(std::abs(at.x) < S(1 << 30))) at.x = S(0);
-  if (!(std::abs(at.y) < S(1 << 30))) at.y = S(0);
+  const Vec2<S> at = mapped(uv);
   if (kind_ == Kind::bitmap) return eval_bitmap(at);
   const bool right = at.x - std::floor(at.x) >= S(0.5);
   const bool upper = at.y - std::floor(at.y) >= S(0.5);
@@ -143,21 +152,49 @@ Rgb<S> Texture<S>::eval(const Vec2<S>& uv) const noexcept {
 }
 
 template <std::floating_point S>
-Rgb<S> Texture<S>::eval_bitmap(const Vec2<S>& uv) const noexcept {
-  const Vec2<S> size(static_cast<S>(texels_->width), static_cast<S>(texels_->height));
-  const S shift = filter_ == TextureFilter::nearest ? S(0) : S(0.5);
-  const S x = uv.x * size.x - shift;
-  const S y = uv.y * size.y - shift;
+Vec2<S> Texture<S>::gradient(const Vec2<S>& uv) const noexcept {
+  if (kind_ != Kind::bitmap || filter_ == TextureFilter::nearest) return Vec2<S>(S(0));
+  const Cell c = cell(mapped(uv));
+  const S along_x = luminance((c.c10 - c.c00) * (S(1) - c.t) + (c.c11 - c.c01) * c.t) * static_cast<S>(texels_->width);
+  const S along_y = luminance((c.c01 - c.c00) * (S(1) - c.s) + (c.c11 - c.c10) * c.s) * static_cast<S>(texels_->height);
+  return {along_x * to_uv_.xx + along_y * to_uv_.yx, along_x * to_uv_.xy + along_y * to_uv_.yy};
+}
+
+template <std::floating_point S>
+Vec2<S> Texture<S>::mapped(const Vec2<S>& uv) const noexcept {
+  Vec2<S> at = to_uv_(uv);
+  // Beyond 2^30 no fraction of a period is left in float; such a coordinate (or NaN) must not overflow an integer.
+  if (!(std::abs(at.x) < S(1 << 30))) at.x = S(0);
+  if (!(std::abs(at.y) < S(1 << 30))) at.y = S(0);
+  return at;
+}
+
+template <std::floating_point S>
+typename Texture<S>::Cell Texture<S>::cell(const Vec2<S>& at) const noexcept {
+  const S x = at.x * static_cast<S>(texels_->width) - S(0.5);
+  const S y = at.y * static_cast<S>(texels_->height) - S(0.5);
   const S x_floor = std::floor(x);
   const S y_floor = std::floor(y);
   const auto column = static_cast<std::int64_t>(x_floor);
   const auto row = static_cast<std::int64_t>(y_floor);
-  if (filter_ == TextureFilter::nearest) return texel(column, row);
-  const S s = x - x_floor;
-  const S t = y - y_floor;
-  const Rgb<S> low = texel(column, row) * (S(1) - s) + texel(column + 1, row) * s;
-  const Rgb<S> high = texel(column, row + 1) * (S(1) - s) + texel(column + 1, row + 1) * s;
-  return glm::min(low * (S(1) - t) + high * t, maximum_);  // rounding must not lift a weighted mean above its terms
+  return {texel(column, row),
+          texel(column + 1, row),
+          texel(column, row + 1),
+          texel(column + 1, row + 1),
+          x - x_floor,
+          y - y_floor};
+}
+
+template <std::floating_point S>
+Rgb<S> Texture<S>::eval_bitmap(const Vec2<S>& at) const noexcept {
+  if (filter_ == TextureFilter::nearest) {
+    return texel(static_cast<std::int64_t>(std::floor(at.x * static_cast<S>(texels_->width))),
+                 static_cast<std::int64_t>(std::floor(at.y * static_cast<S>(texels_->height))));
+  }
+  const Cell c = cell(at);
+  const Rgb<S> low = c.c00 * (S(1) - c.s) + c.c10 * c.s;
+  const Rgb<S> high = c.c01 * (S(1) - c.s) + c.c11 * c.s;
+  return glm::min(low * (S(1) - c.t) + high * c.t, maximum_);  // rounding must not lift a weighted mean above its terms
 }
 
 template <std::floating_point S>

@@ -50,7 +50,7 @@ struct EmissionSample {
   Vec3<S> ng{0};                     ///< geometric unit normal of an area light, outer side; (0,0,0) for the others
   Vec3<S> wo{0};                     ///< unit direction in which the light leaves (travels), world
   Rgb<S> radiance{0};                ///< along wo: area, environment W m^-2 sr^-1; point W sr^-1; directional W m^-2
-  Rgb<S> intensity{0};               ///< alpha_D / p(v_l), W: area pi L_e / p_A; point 4 pi I;
+  Rgb<S> intensity{0};               ///< alpha_D / p(v_l), W: area pi L_e / p_A; point 4 pi I, of spots along the axis;
                                      ///< infinite pi R^2 L_e / p(wo); selection is part of every p
   Rgb<S> beta{0};                    ///< e_l / (p(v_l) p(wo)), W: what the ray carries; its mean is the total flux
   S pdf_position = S(0);             ///< area m^-2, point 1: of the position, selection included;

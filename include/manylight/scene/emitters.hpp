@@ -166,7 +166,7 @@ class Emitters {
   }
 
   void set_scene_sphere(const Box<S>& bounds);
-  void validate_points() const;
+  void validate_points();
   void validate_directionals();
   void build_table();
 

@@ -20,12 +20,19 @@ void Emitters<S>::set_scene_sphere(const Box<S>& bounds) {
 }
 
 template <std::floating_point S>
-void Emitters<S>::validate_points() const {
+void Emitters<S>::validate_points() {
   for (std::size_t i = 0; i < points_.size(); ++i) {
     const std::string name = " of point light " + std::to_string(i);
     require(is_finite(points_[i].position), "position" + name, "not finite", "finite");
     const Rgb<S>& c = points_[i].intensity;
     require(is_valid_radiance(c), "intensity" + name, std::min(c.x, std::min(c.y, c.z)), "0 or positive, finite");
+    PointEmitter<S>& light = points_[i];
+    require(light.cutoff >= S(1e-4) && light.cutoff <= k_pi<S>, "cutoff" + name, light.cutoff, "1e-4 to pi");
+    require(light.beam_width >= S(0) && light.beam_width <= light.cutoff, "beam width" + name, light.beam_width,
+            "0 to the cutoff");
+    const S length = glm::length(light.axis);
+    require(length > S(0) && std::isfinite(length), "axis" + name, length, "a vector of positive finite length");
+    light.axis /= length;
   }
 }
 
@@ -51,7 +58,7 @@ void Emitters<S>::build_table() {
     total += Vec3<double>(flux);
   };
   for (std::uint32_t i = 0; i < shapes_.count(); ++i) add(shapes_.flux(i));
-  for (const auto& point : points_) add(point.intensity * (S(4) * k_pi<S>));
+  for (const auto& point : points_) add(point.intensity * point.effective_solid_angle());
   const S cross_section = k_pi<S> * radius_ * radius_;
   for (const auto& directional : directionals_) add(directional.irradiance * cross_section);
   for (const auto& environment : environments_) add(environment.flux() * cross_section);
@@ -102,10 +109,11 @@ std::optional<DirectSample<S>> Emitters<S>::direct_point(const Slot& slot, const
   const PointEmitter<S>& light = points_[slot.index];
   const Vec3<S> segment = light.position - reference;
   const S distance = glm::length(segment);
-  const Rgb<S> irradiance = light.intensity / (distance * distance);
-  if (!(distance > S(0)) || !is_finite(irradiance)) return std::nullopt;
+  const Vec3<S> wi = segment / distance;
+  const Rgb<S> irradiance = light.intensity_towards(-wi) / (distance * distance);
+  if (!(distance > S(0)) || !is_finite(irradiance) || is_black(irradiance)) return std::nullopt;
   DirectSample<S> sample;
-  sample.wi = segment / distance;
+  sample.wi = wi;
   sample.distance = distance;
   sample.radiance = irradiance;
   sample.pdf = slot.pmf;
@@ -183,15 +191,27 @@ EmissionSample<S> Emitters<S>::emission_area(const Slot& slot, const Vec2<S>& u_
 
 template <std::floating_point S>
 EmissionSample<S> Emitters<S>::emission_point(const Slot& slot, const Vec2<S>& u_direction) const noexcept {
+  const PointEmitter<S>& light = points_[slot.index];
   EmissionSample<S> sample;
   sample.kind = EmitterKind::point;
-  sample.position = points_[slot.index].position;
-  sample.wo = warp::square_to_sphere(u_direction);
-  sample.radiance = points_[slot.index].intensity;
+  sample.position = light.position;
+  if (light.is_spot()) {
+    // 1 - cos(cutoff) = 2 sin^2(cutoff / 2): narrow cones keep their width.
+    const S rise = S(2) * sqr(std::sin(light.cutoff / S(2)));
+    const S height = u_direction.x * rise;  // 1 - cos
+    const S radius = safe_sqrt(height * (S(2) - height));
+    const S phi = S(2) * k_pi<S> * u_direction.y;
+    sample.wo = glm::normalize(
+        Frame<S>(light.axis).to_world({radius * std::cos(phi), radius * std::sin(phi), S(1) - height}));
+    sample.pdf_direction = S(0.5) * k_inv_pi<S> / rise;
+  } else {
+    sample.wo = warp::square_to_sphere(u_direction);
+    sample.pdf_direction = k_inv_pi<S> / S(4);
+  }
+  sample.radiance = light.intensity_towards(sample.wo);
   sample.pdf_position = slot.pmf;
-  sample.pdf_direction = k_inv_pi<S> / S(4);
-  sample.intensity = sample.radiance * (S(4) * k_pi<S> / slot.pmf);
-  sample.beta = sample.intensity;
+  sample.intensity = light.intensity * (S(4) * k_pi<S> / slot.pmf);
+  sample.beta = sample.radiance / (slot.pmf * sample.pdf_direction);
   return sample;
 }
 

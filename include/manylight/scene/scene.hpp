@@ -161,7 +161,9 @@ Interaction<typename G::Scalar, typename Shader::Material> Scene<G, Shader>::int
   const Shader& surface = shader(point.shape);
   const bool outside = glm::dot(point.ng, w) >= Scalar(0);
   const Scalar side = !outside && surface.is_two_sided() ? Scalar(-1) : Scalar(1);
-  return {point, point.ng * side, Frame<Scalar>(point.ns * side, point.dpdu), surface.material(point, outside)};
+  Vec3<Scalar> ns = point.ns;
+  if constexpr (requires { surface.shading_normal(point); }) ns = surface.shading_normal(point);
+  return {point, point.ng * side, Frame<Scalar>(ns * side, point.dpdu), surface.material(point, outside)};
 }
 
 template <class G, class Shader>

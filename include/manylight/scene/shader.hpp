@@ -16,7 +16,9 @@ namespace manylight {
 ///  - `k_may_be_transparent` (static): false removes all opacity code; if true, `is_transparent()` tells whether this
 ///    surface has an opacity mask and `opacity(point)` in [0, 1] which part of light it stops, the rest goes straight on;
 ///  - `k_may_absorb` (static): false removes all absorption code; if true, `interior_absorption()` is the coefficient
-///    sigma_a (m^-1) of what a dielectric shape holds.
+///    sigma_a (m^-1) of what a dielectric shape holds;
+///  - optional `shading_normal(point)`: the unit normal to shade with in place of `point.ns`, on the side of `point.ng`
+///    (bent_normal.hpp).
 template <class T>
 concept SurfaceShader =
     Material<typename T::Material> &&
