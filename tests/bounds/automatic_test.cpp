@@ -140,8 +140,8 @@ TYPED_TEST_SUITE(AutomaticBounds, Scalars);
 // of `original`, f |cos| of `duer` 1 % short, a floor under each cosine in place of their sum, roughness of the axes
 // swapped. Facets: Beckmann's density with all of the exponent in its root, masking by the larger or the smaller cosine
 // alone, by the larger roughness; metal 1 % short, without the rounding of Re p. Oren-Nayar: opposite azimuths not
-// shrunk, the azimuth by the farther end of |q|. Coat: Fresnel at normal incidence alone. Mixture: weights left out.
-// Phong: f |cos| without the margin of cosines next to 1.
+// shrunk, the azimuth by the farther end of |q|. Coat: Fresnel at normal incidence alone. Plastic: wi twice. Mixture:
+// weights left out. Phong: f |cos| without the margin of cosines next to 1.
 TYPED_TEST(AutomaticBounds, HoldEverySampleAndAreTight) {
   using S = TypeParam;
   std::printf(
