@@ -186,8 +186,9 @@ TEST(RoughDielectric, BecomesTheSmoothOne) {
   }
 }
 
+// Bounds over the whole sphere and over cones around sampled directions, refraction included.
 // Planted bug seen to fail: a bound of refraction without the index of wo.
-TEST(RoughDielectric, BoundsAreNeverBelowItsValues) {
+TEST(RoughDielectric, RangesHoldItsValues) {
   double slack = 1e30;
   for_each_glass([&](const std::string& name, const Glass& glass) {
     IndependentStream<double> stream(17, Stage::test, 0, 0);
@@ -198,26 +199,15 @@ TEST(RoughDielectric, BoundsAreNeverBelowItsValues) {
       if (!s) continue;
       const Vec3<double>& wi = s->direction;
       const double f = max_channel(glass.eval(wi, wo));
-      const Vec3<double> r = local::mirror(wo);
-      const double theta = std::atan2(glm::length(glm::cross(wi, r)), glm::dot(wi, r));
-      EXPECT_LE(f * std::abs(wi.z), glass.sup_gloss_beyond(wo, theta * (1 - 1e-9)) * (1 + 1e-9)) << name;
-      EXPECT_LE(f * std::abs(wi.z), glass.sup_cos_eval(wo) * (1 + 1e-9)) << name;
-      EXPECT_LE(f * std::abs(wo.z), glass.sup_eval_cos_wo(wo) * (1 + 1e-9)) << name;
-      if (f > 0) slack = std::min(slack, glass.sup_cos_eval(wo) / (f * std::abs(wi.z)));
+      const DirectionSet<double> around(glm::normalize(wi + 0.1 * warp::square_to_sphere(stream.next_2d())), 0.11);
+      const double narrow = max_channel(glass.eval(around, wo)).hi;
+      EXPECT_LE(f, narrow) << name;
+      EXPECT_LE(f, max_channel(glass.eval(DirectionSet<double>(), wo)).hi) << name;
+      EXPECT_LE(f, max_channel(glass.eval(wi, DirectionSet<double>())).hi) << name;
+      if (f > 0) slack = std::min(slack, narrow / f);
     }
   });
-  EXPECT_LT(slack, 1.2);  // reached at normal incidence
-}
-
-TEST(RoughDielectric, TellsThatLightPassesThrough) {
-  using Any = AnyOf<Lambertian<double>, Glass>;
-  using Two = Mixture<Lambertian<double>, Glass>;
-  EXPECT_TRUE(scatters_through(Glass{}));
-  EXPECT_FALSE(scatters_through(Lambertian<double>{}));
-  EXPECT_TRUE(scatters_through(Any(Glass{})));
-  EXPECT_FALSE(scatters_through(Any(Lambertian<double>{})));
-  EXPECT_TRUE(scatters_through(Two({Lambertian<double>{}, 0.5}, {Glass{}, 0.5})));
-  EXPECT_FALSE(scatters_through(Two({Lambertian<double>{}, 0.5}, {Glass{}, 0.0})));
+  EXPECT_LT(slack, 1.5);
 }
 
 }  // namespace

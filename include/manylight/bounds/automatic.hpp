@@ -87,7 +87,6 @@ struct AutomaticBounds {
   /// `wi`, `wo`: vectors or sets, at least one a set.
   template <Material M, LocalDirection<typename M::Scalar> Wi, LocalDirection<typename M::Scalar> Wo>
   [[nodiscard]] PatternSup<typename M::Scalar> sup(const M& m, const Wi& wi, const Wo& wo) const noexcept {
-    using S = typename M::Scalar;
     if constexpr (detail::StatesOwnBound<M, Wi, Wo>) {
       return with_cosine(m, wi, wo, m.sup_eval(wi, wo));
     } else if constexpr (detail::HasBoundOfUser<M, Wi, Wo>) {
@@ -97,12 +96,7 @@ struct AutomaticBounds {
     } else if constexpr (detail::k_is_mixture<M> && detail::k_has_hand_written_part<M, Wi, Wo>) {
       return detail::sum_of_parts(m, [&](const auto& part) { return sup(part, wi, wo); });
     } else {
-      const S f = max_channel(eval_over(m, wi, wo)).hi;
-      if constexpr (SetEvaluable<M> && requires { m.eval_cos(wi, wo); }) {
-        return {f, max_channel(m.eval_cos(wi, wo)).hi};
-      } else {
-        return {f, times_cosine(f, wi)};
-      }
+      return {max_channel(eval_over(m, wi, wo)).hi, max_channel(eval_cos_over(m, wi, wo)).hi};
     }
   }
 

@@ -75,27 +75,6 @@ class AnyOf {
     return visit([&](const auto& m) { return manylight::sampling_weight(m, known); });
   }
 
-  [[nodiscard]] bool scatters_through() const noexcept {
-    return visit([](const auto& m) { return manylight::scatters_through(m); });
-  }
-
-  // ---- bounds (see BoundedMaterial) ----
-  [[nodiscard]] S sup_cos_eval(const Vec3<S>& wo) const noexcept
-      requires(BoundedMaterial<M> && (BoundedMaterial<Ms> && ...)) {
-    return visit([&](const auto& m) { return m.sup_cos_eval(wo); });
-  }
-  [[nodiscard]] S sup_eval_cos_wo(const Vec3<S>& wo) const noexcept
-      requires(BoundedMaterial<M> && (BoundedMaterial<Ms> && ...)) {
-    return visit([&](const auto& m) { return m.sup_eval_cos_wo(wo); });
-  }
-  [[nodiscard]] S diffuse_albedo() const noexcept requires(BoundedMaterial<M> && (BoundedMaterial<Ms> && ...)) {
-    return visit([](const auto& m) { return m.diffuse_albedo(); });
-  }
-  [[nodiscard]] S sup_gloss_beyond(const Vec3<S>& wo, S theta) const noexcept
-      requires(BoundedMaterial<M> && (BoundedMaterial<Ms> && ...)) {
-    return visit([&](const auto& m) { return m.sup_gloss_beyond(wo, theta); });
-  }
-
  private:
   template <std::size_t I, class Function>
   decltype(auto) visit_from(const Function& function) const {

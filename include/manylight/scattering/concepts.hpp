@@ -83,33 +83,6 @@ template <Material M, LocalDirection<typename M::Scalar> Wi, LocalDirection<type
   }
 }
 
-/// Optional refinement: a material that can bound itself, in O(1). With m(x) the largest channel, all are true upper
-/// bounds (sampled in tests), 0 for delta lobes and where `wo` lies on a black side, may be infinite:
-///  - `sup_cos_eval(wo)`: of m(f(wi, wo)) |wi.z| over all wi (the peak of the pattern of a sensor);
-///  - `sup_eval_cos_wo(wo)`: of m(f(wi, wo)) |wo.z| over all wi (the largest pattern of a light in that direction);
-///  - `diffuse_albedo()` and `sup_gloss_beyond(wo, theta)`: the profile of the lobe, with theta (rad, [0, pi]) a lower
-///    bound of the angle between wi and the mirror image of wo about the normal:
-///    m(f(wi, wo)) |wi.z| <= diffuse_albedo() max(0, wi.z) / pi + sup_gloss_beyond(wo, theta).
-template <class M>
-concept BoundedMaterial = Material<M> &&
-    requires(const M& m, const Vec3<typename M::Scalar>& w, typename M::Scalar theta) {
-  { m.sup_cos_eval(w) } -> std::same_as<typename M::Scalar>;
-  { m.sup_eval_cos_wo(w) } -> std::same_as<typename M::Scalar>;
-  { m.diffuse_albedo() } -> std::same_as<typename M::Scalar>;
-  { m.sup_gloss_beyond(w, theta) } -> std::same_as<typename M::Scalar>;
-};
-
-/// Whether a part that is not delta lets light through the surface, so that eval may be positive for directions of
-/// opposite sides: the material's own `scatters_through()` if it has one, else false.
-template <Material M>
-[[nodiscard]] inline bool scatters_through(const M& material) noexcept {
-  if constexpr (requires { material.scatters_through(); }) {
-    return material.scatters_through();
-  } else {
-    return false;
-  }
-}
-
 /// A material may state `static constexpr bool k_isotropic = true`: a rotation of both directions about the normal
 /// never changes `eval`, whatever its parameters. Its vertices then store a normal instead of a frame.
 template <class M>

@@ -36,12 +36,6 @@ struct Mirror {
   [[nodiscard]] S sampling_weight(const Vec3<S>& known) const noexcept {
     return known.z > S(0) ? max_channel(reflectance) : S(0);
   }
-
-  // ---- bounds (see BoundedMaterial) ----
-  [[nodiscard]] static constexpr S sup_cos_eval(const Vec3<S>& /*wo*/) noexcept { return S(0); }
-  [[nodiscard]] static constexpr S sup_eval_cos_wo(const Vec3<S>& /*wo*/) noexcept { return S(0); }
-  [[nodiscard]] static constexpr S diffuse_albedo() noexcept { return S(0); }
-  [[nodiscard]] static constexpr S sup_gloss_beyond(const Vec3<S>& /*wo*/, S /*theta*/) noexcept { return S(0); }
 };
 
 /// Smooth metal (delta): a mirror whose reflectance is Fresnel's for the complex index eta + i k.
@@ -77,12 +71,6 @@ struct SmoothConductor {
   [[nodiscard]] S sampling_weight(const Vec3<S>& known) const noexcept {
     return known.z > S(0) ? max_channel(specular * fresnel_conductor(known.z, eta, k)) : S(0);
   }
-
-  // ---- bounds (see BoundedMaterial) ----
-  [[nodiscard]] static constexpr S sup_cos_eval(const Vec3<S>& /*wo*/) noexcept { return S(0); }
-  [[nodiscard]] static constexpr S sup_eval_cos_wo(const Vec3<S>& /*wo*/) noexcept { return S(0); }
-  [[nodiscard]] static constexpr S diffuse_albedo() noexcept { return S(0); }
-  [[nodiscard]] static constexpr S sup_gloss_beyond(const Vec3<S>& /*wo*/, S /*theta*/) noexcept { return S(0); }
 };
 
 /// Rough metal, f = specular F(wo . h) D(h) G1(wi) G1(wo) / (4 wi.z wo.z). Reciprocal. [Walter 2007, Eq. 20]
@@ -152,22 +140,6 @@ struct RoughConductor {
   [[nodiscard]] static constexpr bool is_delta() noexcept { return false; }
   [[nodiscard]] MicrofacetDistribution<S> microfacets() const noexcept { return {distribution, alpha_u, alpha_v}; }
 
-  // ---- bounds (see BoundedMaterial): F <= 1 and G1(wi) <= 1 ----
-  [[nodiscard]] S sup_cos_eval(const Vec3<S>& wo) const noexcept { return sup_gloss_beyond(wo, S(0)); }
-  [[nodiscard]] S sup_eval_cos_wo(const Vec3<S>& wo) const noexcept {
-    if (wo.z <= S(0)) return S(0);
-    const MicrofacetDistribution<S> facets = microfacets();
-    return max_channel(specular) * S(0.25) * facets.sup_density(S(0)) * facets.sup_masking_over_cos() *
-           facets.masking(wo);
-  }
-  [[nodiscard]] static constexpr S diffuse_albedo() noexcept { return S(0); }
-  [[nodiscard]] S sup_gloss_beyond(const Vec3<S>& wo, S theta) const noexcept {
-    if (wo.z <= S(0)) return S(0);
-    const MicrofacetDistribution<S> facets = microfacets();
-    return max_channel(specular) * S(0.25) * facets.sup_density(local::min_half_tan2(theta)) *
-           facets.masking_over_cos(wo);
-  }
-
  private:
   template <class Wi, class Wo, class Masking>
   [[nodiscard]] RgbInterval<S> range_with(const Wi& wi, const Wo& wo, const Masking& masking) const noexcept {
@@ -180,8 +152,8 @@ struct RoughConductor {
   }
 };
 
-static_assert(BoundedMaterial<Mirror<float>> && BoundedMaterial<Mirror<double>>);
-static_assert(BoundedMaterial<SmoothConductor<float>> && BoundedMaterial<SmoothConductor<double>>);
-static_assert(BoundedMaterial<RoughConductor<float>> && BoundedMaterial<RoughConductor<double>>);
+static_assert(SetEvaluable<Mirror<float>> && SetEvaluable<Mirror<double>>);
+static_assert(SetEvaluable<SmoothConductor<float>> && SetEvaluable<SmoothConductor<double>>);
+static_assert(SetEvaluable<RoughConductor<float>> && SetEvaluable<RoughConductor<double>>);
 
 }  // namespace manylight

@@ -62,12 +62,6 @@ struct Dielectric {
   [[nodiscard]] S sampling_weight(const Vec3<S>& /*known*/) const noexcept {
     return std::max(max_channel(specular_reflectance), max_channel(specular_transmittance));
   }
-
-  // ---- bounds (see BoundedMaterial) ----
-  [[nodiscard]] static constexpr S sup_cos_eval(const Vec3<S>& /*wo*/) noexcept { return S(0); }
-  [[nodiscard]] static constexpr S sup_eval_cos_wo(const Vec3<S>& /*wo*/) noexcept { return S(0); }
-  [[nodiscard]] static constexpr S diffuse_albedo() noexcept { return S(0); }
-  [[nodiscard]] static constexpr S sup_gloss_beyond(const Vec3<S>& /*wo*/, S /*theta*/) noexcept { return S(0); }
 };
 
 /// Sheet of glass so thin that refracted light leaves straight through (delta); all inner reflections are summed:
@@ -121,15 +115,9 @@ struct ThinDielectric {
   [[nodiscard]] S sampling_weight(const Vec3<S>& /*known*/) const noexcept {
     return std::max(max_channel(specular_reflectance), max_channel(specular_transmittance));
   }
-
-  // ---- bounds (see BoundedMaterial) ----
-  [[nodiscard]] static constexpr S sup_cos_eval(const Vec3<S>& /*wo*/) noexcept { return S(0); }
-  [[nodiscard]] static constexpr S sup_eval_cos_wo(const Vec3<S>& /*wo*/) noexcept { return S(0); }
-  [[nodiscard]] static constexpr S diffuse_albedo() noexcept { return S(0); }
-  [[nodiscard]] static constexpr S sup_gloss_beyond(const Vec3<S>& /*wo*/, S /*theta*/) noexcept { return S(0); }
 };
 
-static_assert(BoundedMaterial<Dielectric<float>> && BoundedMaterial<Dielectric<double>>);
-static_assert(BoundedMaterial<ThinDielectric<float>> && BoundedMaterial<ThinDielectric<double>>);
+static_assert(SetEvaluable<Dielectric<float>> && SetEvaluable<Dielectric<double>>);
+static_assert(SetEvaluable<ThinDielectric<float>> && SetEvaluable<ThinDielectric<double>>);
 
 }  // namespace manylight

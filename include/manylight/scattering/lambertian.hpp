@@ -38,18 +38,8 @@ struct Lambertian {
   }
   [[nodiscard]] Rgb<S> albedo() const noexcept { return reflectance; }
   [[nodiscard]] static constexpr bool is_delta() noexcept { return false; }
-
-  // ---- bounds (see BoundedMaterial) ----
-  [[nodiscard]] S sup_cos_eval(const Vec3<S>& wo) const noexcept {
-    return wo.z > S(0) ? max_channel(reflectance) * k_inv_pi<S> : S(0);
-  }
-  [[nodiscard]] S sup_eval_cos_wo(const Vec3<S>& wo) const noexcept {
-    return wo.z > S(0) ? max_channel(reflectance) * k_inv_pi<S> * wo.z : S(0);
-  }
-  [[nodiscard]] S diffuse_albedo() const noexcept { return max_channel(reflectance); }
-  [[nodiscard]] static constexpr S sup_gloss_beyond(const Vec3<S>& /*wo*/, S /*theta*/) noexcept { return S(0); }
 };
 
-static_assert(BoundedMaterial<Lambertian<float>> && BoundedMaterial<Lambertian<double>>);
+static_assert(SetEvaluable<Lambertian<float>> && SetEvaluable<Lambertian<double>>);
 
 }  // namespace manylight

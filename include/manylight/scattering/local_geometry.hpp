@@ -37,17 +37,4 @@ template <std::floating_point S>
   return w.x * w.x + w.y * w.y;
 }
 
-/// Smallest tan^2 of the angle between the normal and the half vector of `wo` and any `wi` that is at least `theta`
-/// (rad) away from the mirror direction of `wo`. Mirroring about n, then about H, is a rotation by twice the angle
-/// between them, so that angle(wi, mirror(wo)) <= 2 angle(H, n). [bidirectional lightcuts, analytic bounds]
-/// Capped at 1e10, where every lobe of a usable roughness has ended.
-template <std::floating_point S>
-[[nodiscard]] inline S min_half_tan2(S theta) noexcept {
-  const S half = theta / S(2);
-  const S cosine = std::cos(half);
-  if (half <= S(0)) return S(0);
-  if (cosine <= S(1e-5)) return S(1e10);
-  return sqr(std::sin(half) / cosine);
-}
-
 }  // namespace manylight::local

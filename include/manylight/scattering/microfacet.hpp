@@ -102,26 +102,14 @@ struct MicrofacetDistribution {
     return glm::normalize(Vec3<S>(alpha_u * x, alpha_v * y, n.z));
   }
 
-  // ---- suprema, for bounds ----
-  /// Of D(h) over normals h with tan^2 of their angle at least `tan2_min`. With t = tan^2 and q >= 1 / alpha_max^2:
-  /// GGX ((1 + t) / (1 + t q))^2, monotone in t; Beckmann (1 + t)^2 exp(-t q), with its peak at t = 2/q - 1.
-  [[nodiscard]] S sup_density(S tan2_min) const noexcept {
+  /// Largest D(h). With t = tan^2 of the angle of h and q >= 1 / alpha_max^2: GGX ((1 + t) / (1 + t q))^2 / area, monotone
+  /// in t; Beckmann (1 + t)^2 exp(-t q) / area, with its peak at t = 2/q - 1.
+  [[nodiscard]] S max_density() const noexcept {
     const S q = S(1) / sqr(std::max(alpha_u, alpha_v));
     const S area = k_pi<S> * alpha_u * alpha_v;
-    if (type == MicrofacetType::ggx) {
-      if (q < S(1)) return S(1) / (q * q * area);  // rising towards t = infinity
-      return sqr((S(1) + tan2_min) / (S(1) + tan2_min * q)) / area;
-    }
-    const S t = std::max(tan2_min, S(2) / q - S(1));
+    if (type == MicrofacetType::ggx) return std::max(S(1), S(1) / (q * q)) / area;
+    const S t = std::max(S(0), S(2) / q - S(1));
     return sqr(S(1) + t) * std::exp(-t * q) / area;
-  }
-  /// Of G1(w) / w.z over the upper side. GGX: the denominator is smallest at grazing (alpha) or normal incidence (2).
-  /// Beckmann: it is at least both c and k sin, k = alpha / (2 sqrt(pi)); up to alpha = 2 it rises from k at grazing.
-  [[nodiscard]] S sup_masking_over_cos() const noexcept {
-    const S alpha = std::min(alpha_u, alpha_v);
-    if (type == MicrofacetType::ggx) return S(2) / std::min(alpha, S(2));
-    const S k = alpha / (S(2) * std::sqrt(k_pi<S>));
-    return alpha <= S(2) ? std::max(S(1) / k, S(1)) : std::sqrt(S(1) + k * k) / k;
   }
 
  private:

@@ -128,33 +128,10 @@ class Mixture {
     return sum<S>([&](const auto& lobe) { return manylight::sampling_weight(lobe, known); });
   }
 
-  [[nodiscard]] bool scatters_through() const noexcept {
-    bool any = false;
-    lobes_.for_each([&](const auto& x) { any = any || (x.weight > S(0) && manylight::scatters_through(x.lobe)); });
-    return any;
-  }
-
   /// Calls `visit` with each WeightedLobe in turn.
   template <class Visit>
   void for_each(const Visit& visit) const noexcept {
     lobes_.for_each(visit);
-  }
-
-  // ---- bounds (see BoundedMaterial): a sum of maxima bounds the maximum of the sum ----
-  [[nodiscard]] S sup_cos_eval(const Vec3<S>& wo) const noexcept
-      requires(BoundedMaterial<M> && (BoundedMaterial<Ms> && ...)) {
-    return sum<S>([&](const auto& lobe) { return lobe.sup_cos_eval(wo); });
-  }
-  [[nodiscard]] S sup_eval_cos_wo(const Vec3<S>& wo) const noexcept
-      requires(BoundedMaterial<M> && (BoundedMaterial<Ms> && ...)) {
-    return sum<S>([&](const auto& lobe) { return lobe.sup_eval_cos_wo(wo); });
-  }
-  [[nodiscard]] S diffuse_albedo() const noexcept requires(BoundedMaterial<M> && (BoundedMaterial<Ms> && ...)) {
-    return sum<S>([](const auto& lobe) { return lobe.diffuse_albedo(); });
-  }
-  [[nodiscard]] S sup_gloss_beyond(const Vec3<S>& wo, S theta) const noexcept
-      requires(BoundedMaterial<M> && (BoundedMaterial<Ms> && ...)) {
-    return sum<S>([&](const auto& lobe) { return lobe.sup_gloss_beyond(wo, theta); });
   }
 
  private:

@@ -63,30 +63,6 @@ struct OrenNayar {
   }
   [[nodiscard]] static constexpr bool is_delta() noexcept { return false; }
 
-  // ---- bounds (see BoundedMaterial) ----
-  // tan(beta) c <= sin(beta) for either cosine c, as beta is the smaller angle; tan((a + b)/2) c <= 1 + sin(beta) <= 2.
-  // So the terms in C2 and C3 are a constant over wi, the others a multiple of the cosine.
-  [[nodiscard]] S sup_cos_eval(const Vec3<S>& wo) const noexcept {
-    return wo.z > S(0) ? diffuse_albedo() * k_inv_pi<S> + sup_gloss_beyond(wo, S(0)) : S(0);
-  }
-  [[nodiscard]] S sup_eval_cos_wo(const Vec3<S>& wo) const noexcept {
-    return wo.z > S(0) ? diffuse_albedo() * k_inv_pi<S> * wo.z + sup_gloss_beyond(wo, S(0)) : S(0);
-  }
-  [[nodiscard]] S diffuse_albedo() const noexcept {
-    const S rho = max_channel(reflectance);
-    const S sigma2 = variance();
-    const S twice = model == OrenNayarModel::full ? S(2) * c4(sigma2) : S(0);
-    return rho * (c1(sigma2) + rho * twice);
-  }
-  /// Independent of theta: the retro-reflecting part has no peak at the mirror direction.
-  [[nodiscard]] S sup_gloss_beyond(const Vec3<S>& wo, S /*theta*/) const noexcept {
-    if (wo.z <= S(0)) return S(0);
-    const S sigma2 = variance();
-    const S sine = safe_sqrt(local::sin2_theta(wo));
-    const S grooves = model == OrenNayarModel::full ? S(2) * c3(sigma2) * sqr(angle_fraction(wo)) : S(0);
-    return max_channel(reflectance) * k_inv_pi<S> * (c2(sigma2) * sine + grooves);
-  }
-
  private:
   /// Two directions, a (the paper's alpha) farther from the normal than b (its beta).
   struct Pair {
@@ -231,6 +207,6 @@ struct OrenNayar {
   }
 };
 
-static_assert(BoundedMaterial<OrenNayar<float>> && BoundedMaterial<OrenNayar<double>>);
+static_assert(SetEvaluable<OrenNayar<float>> && SetEvaluable<OrenNayar<double>>);
 
 }  // namespace manylight

@@ -79,16 +79,6 @@ struct Phong {
   [[nodiscard]] Rgb<S> albedo() const noexcept { return specular; }
   [[nodiscard]] static constexpr bool is_delta() noexcept { return false; }
 
-  // ---- bounds (see BoundedMaterial) ----
-  [[nodiscard]] S sup_cos_eval(const Vec3<S>& wo) const noexcept { return sup_gloss_beyond(wo, S(0)); }
-  [[nodiscard]] S sup_eval_cos_wo(const Vec3<S>& wo) const noexcept {
-    return wo.z > S(0) ? max_channel(specular) * peak() * wo.z : S(0);
-  }
-  [[nodiscard]] static constexpr S diffuse_albedo() noexcept { return S(0); }
-  [[nodiscard]] S sup_gloss_beyond(const Vec3<S>& wo, S theta) const noexcept {
-    return wo.z > S(0) ? max_channel(specular) * peak() * lobe(std::cos(theta)) : S(0);
-  }
-
  private:
   /// Supremum of cos^n(delta) cos(max(0, theta - delta)); both terms fall with theta, whose least cosine does not
   /// count.
@@ -116,6 +106,6 @@ struct Phong {
   }
 };
 
-static_assert(BoundedMaterial<Phong<float>> && BoundedMaterial<Phong<double>>);
+static_assert(SetEvaluable<Phong<float>> && SetEvaluable<Phong<double>>);
 
 }  // namespace manylight

@@ -83,17 +83,6 @@ struct Plastic {
   }
   [[nodiscard]] S eta() const noexcept { return eta_; }
 
-  // ---- bounds (see BoundedMaterial); the transmittance is largest at normal incidence if eta > 1, else <= 1 ----
-  [[nodiscard]] S sup_cos_eval(const Vec3<S>& wo) const noexcept {
-    if (wo.z <= S(0)) return S(0);
-    return max_channel(base()) * transmittance(wo.z) * max_transmittance() * k_inv_pi<S>;
-  }
-  [[nodiscard]] S sup_eval_cos_wo(const Vec3<S>& wo) const noexcept {
-    return wo.z > S(0) ? sup_cos_eval(wo) * wo.z : S(0);
-  }
-  [[nodiscard]] S diffuse_albedo() const noexcept { return max_channel(base()) * sqr(max_transmittance()); }
-  [[nodiscard]] static constexpr S sup_gloss_beyond(const Vec3<S>& /*wo*/, S /*theta*/) noexcept { return S(0); }
-
  private:
   [[nodiscard]] S transmittance(S cosine) const noexcept { return S(1) - fresnel_dielectric(cosine, eta_).reflectance; }
   [[nodiscard]] Interval<S> transmittance(const Interval<S>& cosine) const noexcept {
@@ -120,6 +109,6 @@ struct Plastic {
   CoatedBase base_;
 };
 
-static_assert(BoundedMaterial<Plastic<float>> && BoundedMaterial<Plastic<double>>);
+static_assert(SetEvaluable<Plastic<float>> && SetEvaluable<Plastic<double>>);
 
 }  // namespace manylight

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <type_traits>
 
 #include "manylight/scattering/fresnel.hpp"
 #include "manylight/scattering/microfacet.hpp"
@@ -36,13 +37,19 @@ struct RoughDielectric {
     check::reflectance("RoughDielectric specular_transmittance", specular_transmittance);
   }
 
-  [[nodiscard]] Rgb<S> eval(const Vec3<S>& wi, const Vec3<S>& wo) const noexcept {
-    const Facet facet = facet_between(wi, wo);
-    if (!(facet.density > S(0))) return Rgb<S>(0);
-    const MicrofacetDistribution<S> facets = microfacets();
-    const S r = fresnel_dielectric(glm::dot(wo, facet.h), eta).reflectance;
-    const S value = sqr(index_at(wo)) * facet.density * facets.masking_over_cos(wi) * facets.masking_over_cos(wo);
-    return facet.is_reflection ? specular_reflectance * (r * value) : specular_transmittance * ((S(1) - r) * value);
+  template <LocalDirection<S> Wi, LocalDirection<S> Wo>
+  [[nodiscard]] auto eval(const Wi& wi, const Wo& wo) const noexcept {
+    if constexpr (std::is_same_v<PatternScalar<Wi, Wo, S>, S>) {
+      return value_of(wi, wo);
+    } else {
+      const Interval<S> zi(wi.z);
+      const Interval<S> zo(wo.z);
+      const auto above = when(zi > S(0) && zo > S(0), [&] { return reflected_range(wi, wo, eta); });
+      const auto below = when(zi < S(0) && zo < S(0), [&] { return reflected_range(-wi, -wo, S(1) / eta); });
+      const auto down = when(zi < S(0) && zo > S(0), [&] { return refracted_range(-wi, wo, S(1)); });
+      const auto up = when(zi > S(0) && zo < S(0), [&] { return refracted_range(wi, -wo, eta); });
+      return hull(hull(above, below), hull(down, up));
+    }
   }
 
   /// Draws a visible normal, then reflection with the probability of its share of the energy; what leaves on the wrong
@@ -82,20 +89,6 @@ struct RoughDielectric {
   }
   [[nodiscard]] MicrofacetDistribution<S> microfacets() const noexcept { return {distribution, alpha_u, alpha_v}; }
 
-  // ---- bounds (see BoundedMaterial): F, G1(wi), |wi . h| and |wo . h| <= 1, |eta_i wi + eta_o wo| >= |eta - 1| ----
-  [[nodiscard]] static constexpr bool scatters_through() noexcept { return true; }
-  [[nodiscard]] S sup_cos_eval(const Vec3<S>& wo) const noexcept { return sup_gloss_beyond(wo, S(0)); }
-  [[nodiscard]] S sup_eval_cos_wo(const Vec3<S>& wo) const noexcept {
-    const MicrofacetDistribution<S> facets = microfacets();
-    return sup_lobe(wo, facets.sup_density(S(0))) * facets.sup_masking_over_cos() * facets.masking(wo);
-  }
-  [[nodiscard]] static constexpr S diffuse_albedo() noexcept { return S(0); }
-  /// Only reflection ends away from the mirror direction.
-  [[nodiscard]] S sup_gloss_beyond(const Vec3<S>& wo, S theta) const noexcept {
-    const MicrofacetDistribution<S> facets = microfacets();
-    return sup_lobe(wo, facets.sup_density(local::min_half_tan2(theta))) * facets.masking_over_cos(wo);
-  }
-
  private:
   /// The facet that takes one direction to the other.
   struct Facet {
@@ -128,21 +121,40 @@ struct RoughDielectric {
     return facet;
   }
 
+  [[nodiscard]] Rgb<S> value_of(const Vec3<S>& wi, const Vec3<S>& wo) const noexcept {
+    const Facet facet = facet_between(wi, wo);
+    if (!(facet.density > S(0))) return Rgb<S>(0);
+    const MicrofacetDistribution<S> facets = microfacets();
+    const S r = fresnel_dielectric(glm::dot(wo, facet.h), eta).reflectance;
+    const S value = sqr(index_at(wo)) * facet.density * facets.masking_over_cos(wi) * facets.masking_over_cos(wo);
+    return facet.is_reflection ? specular_reflectance * (r * value) : specular_transmittance * ((S(1) - r) * value);
+  }
+  /// Both directions on the upper side, `ratio` the index below over that above.
+  template <class Wi, class Wo>
+  [[nodiscard]] RgbInterval<S> reflected_range(const Wi& wi, const Wo& wo, S ratio) const noexcept {
+    const MicrofacetDistribution<S> facets = microfacets();
+    const Interval<S> value = facets.density_of_half(wi, wo) * (S(0.25) * Interval<S>(facets.masking_over_cos(wi))) *
+                              Interval<S>(facets.masking_over_cos(wo)) *
+                              reflectance_dielectric(Interval<S>(local::cos_to_half(wi, wo)), ratio);
+    return specular_reflectance * widen(value, facets.k_rounding);
+  }
+  /// `wi` and `wo` turned to the upper side, `index_o` the index on the side of wo. The facet is left open: 1 - F, |wi.h|
+  /// and |wo.h| <= 1, |eta_i wi + eta_o wo| >= |eta - 1|.
+  template <class Wi, class Wo>
+  [[nodiscard]] RgbInterval<S> refracted_range(const Wi& wi, const Wo& wo, S index_o) const noexcept {
+    const MicrofacetDistribution<S> facets = microfacets();
+    const Interval<S> most = Interval<S>(facets.max_density() * sqr(index_o / (eta - S(1)))) *
+                             Interval<S>(facets.masking_over_cos(wi)) * Interval<S>(facets.masking_over_cos(wo));
+    return specular_transmittance * widen(Interval<S>(S(0), most.hi), facets.k_rounding);
+  }
+
   [[nodiscard]] S reflection_probability(S r) const noexcept {
     const S reflect = r * max_channel(specular_reflectance);
     const S refract = (S(1) - r) * max_channel(specular_transmittance);
     return reflect + refract > S(0) ? reflect / (reflect + refract) : S(1);
   }
-
-  /// Bound of f over both maskings. `reflected`: of D of the facets that reflect; those that refract may be any.
-  [[nodiscard]] S sup_lobe(const Vec3<S>& wo, S reflected) const noexcept {
-    if (wo.z == S(0)) return S(0);
-    const S refract = microfacets().sup_density(S(0)) * sqr(index_at(wo) / (eta - S(1)));
-    return std::max(max_channel(specular_reflectance) * S(0.25) * reflected,
-                    max_channel(specular_transmittance) * refract);
-  }
 };
 
-static_assert(BoundedMaterial<RoughDielectric<float>> && BoundedMaterial<RoughDielectric<double>>);
+static_assert(SetEvaluable<RoughDielectric<float>> && SetEvaluable<RoughDielectric<double>>);
 
 }  // namespace manylight

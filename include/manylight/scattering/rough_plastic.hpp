@@ -90,26 +90,6 @@ struct RoughPlastic {
     return coat_weight(known) + max_channel(base_albedo(known.z));
   }
 
-  // ---- bounds (see BoundedMaterial) ----
-  [[nodiscard]] S sup_cos_eval(const Vec3<S>& wo) const noexcept {
-    if (wo.z <= S(0)) return S(0);
-    return sup_gloss_beyond(wo, S(0)) + max_channel(base_factor()) * coat->at(wo.z) * coat->max() * k_inv_pi<S>;
-  }
-  [[nodiscard]] S sup_eval_cos_wo(const Vec3<S>& wo) const noexcept {
-    if (wo.z <= S(0)) return S(0);
-    const MicrofacetDistribution<S> facets = coat->facets();
-    const S lobe = S(0.25) * facets.sup_density(S(0)) * facets.sup_masking_over_cos() * facets.masking(wo);
-    return max_channel(specular) * lobe * sup_fresnel(wo) +
-           max_channel(base_factor()) * coat->at(wo.z) * coat->max() * k_inv_pi<S> * wo.z;
-  }
-  [[nodiscard]] S diffuse_albedo() const noexcept { return max_channel(base_factor()) * sqr(coat->max()); }
-  [[nodiscard]] S sup_gloss_beyond(const Vec3<S>& wo, S theta) const noexcept {
-    if (wo.z <= S(0)) return S(0);
-    const MicrofacetDistribution<S> facets = coat->facets();
-    return max_channel(specular) * S(0.25) * facets.sup_density(local::min_half_tan2(theta)) *
-           facets.masking_over_cos(wo) * sup_fresnel(wo);
-  }
-
  private:
   /// Of the coat, `masking_i` that of `wi` or its quotient with the cosine.
   template <class Wi, class Wo>
@@ -138,15 +118,8 @@ struct RoughPlastic {
     const S below = max_channel(base_albedo(known.z));
     return lobe + below > S(0) ? lobe / (lobe + below) : S(0);
   }
-  /// Fresnel's reflectance rises with the angle between wo and h if eta > 1; that angle is at most half of the largest
-  /// angle between wo and wi, 90 degrees + theta_o, so that its cosine is at least sqrt((1 - sin theta_o) / 2).
-  [[nodiscard]] S sup_fresnel(const Vec3<S>& wo) const noexcept {
-    if (coat->eta() < S(1)) return S(1);
-    const S sine = std::min(safe_sqrt(local::sin2_theta(wo)), S(1));
-    return fresnel_dielectric(safe_sqrt(S(0.5) * (S(1) - sine)), coat->eta()).reflectance;
-  }
 };
 
-static_assert(BoundedMaterial<RoughPlastic<float>> && BoundedMaterial<RoughPlastic<double>>);
+static_assert(SetEvaluable<RoughPlastic<float>> && SetEvaluable<RoughPlastic<double>>);
 
 }  // namespace manylight
