@@ -15,9 +15,9 @@
 namespace manylight {
 
 /// Lobe back to where the light came from, as of road signs: f = specular (n + 2) / (2 pi) max(0, wi . wo)^n. Mirroring
-/// wi about the normal turns it into a modified Phong lobe and keeps wi.z, so that its albedo is the same: `specular` at
-/// normal incidence for every n, less towards grazing angles. Reciprocal. A hard case for bounds that follow the mirror
-/// direction. [Lafortune 1997]
+/// wi about the normal turns it into a modified Phong lobe and keeps wi.z, so that its albedo is the same: `specular`
+/// at normal incidence for every n, less towards grazing angles. Reciprocal. A hard case for bounds that follow the
+/// mirror direction. [Lafortune 1997]
 template <std::floating_point S>
 struct RetroPhong {
   using Scalar = S;
