@@ -58,7 +58,7 @@ TEST(Energy, PhongEqualsTheTable) {
   EXPECT_NEAR(albedo_by_quadrature(Phong<double>{Rgb<double>(1), 100}, at_degrees(85)), 0.0976, 5e-5);  // half a unit
 }
 
-// Oracle: the mirror image of a Phong lobe, of the same albedo. Planted bug seen to fail: ...
+// Oracle: the mirror image of a Phong lobe, of the same albedo. Planted bug seen to fail: n + 1 in the peak.
 TEST(Energy, RetroPhongReturnsWhatPhongDoes) {
   for (const double exponent : {0.0, 1.0, 10.0, 100.0}) {
     for (const double degrees : {0.0, 45.0, 80.0}) {
