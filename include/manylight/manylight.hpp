@@ -52,6 +52,7 @@
 #include "manylight/scattering/oren_nayar.hpp"
 #include "manylight/scattering/phong.hpp"
 #include "manylight/scattering/plastic.hpp"
+#include "manylight/scattering/retro_phong.hpp"
 #include "manylight/scattering/rough_dielectric.hpp"
 #include "manylight/scattering/rough_plastic.hpp"
 #include "manylight/scattering/rough_transmittance.hpp"

@@ -24,7 +24,8 @@ void add_spot(Context& context, Properties& p) {
   light.intensity = take_color(context, p, "intensity", SpectrumRole::emission, Rgb<float>(1));
   const double cutoff = p.number("cutoff_angle", 20.0);
   const double beam_width = p.number("beam_width", 0.75 * cutoff);
-  if (!(cutoff > 0 && cutoff < 180)) fail(p.element(), "cutoff_angle is out of range, allowed: above 0 to below 180 degrees");
+  if (!(cutoff > 0 && cutoff < 180))
+    fail(p.element(), "cutoff_angle is out of range, allowed: above 0 to below 180 degrees");
   if (!(beam_width >= 0 && beam_width <= cutoff)) {
     fail(p.element(), "beam_width is out of range, allowed: 0 to the cutoff_angle");
   }
@@ -73,7 +74,8 @@ void add_emitter(Context& context, const Element& element) {
   } else if (type == "envmap") {
     add_environment_map(context, p);
   } else {
-    fail(element, "unknown emitter; supported are point, spot, directional, constant and envmap, and area inside a <shape>");
+    fail(element,
+         "unknown emitter; supported are point, spot, directional, constant and envmap, and area inside a <shape>");
   }
   p.ignore({"sampling_weight"});
   p.finish();

@@ -25,16 +25,17 @@ S expected(const std::vector<PointEmitter<S>>& spots, const Vec3<S>& target) {
     const S distance = glm::length(down);
     const Vec3<S> axis = glm::normalize(light.axis);
     const S angle = std::acos(std::clamp(glm::dot(down, axis) / distance, -1.0, 1.0));
-    const S falloff = angle >= light.cutoff ? 0 : std::min(1.0, (light.cutoff - angle) / (light.cutoff - light.beam_width));
+    const S penumbra = (light.cutoff - angle) / (light.cutoff - light.beam_width);
+    const S falloff = angle >= light.cutoff ? 0 : std::min(1.0, penumbra);
     sum += 0.5 * k_inv_pi<S> * light.intensity.x * falloff * -down.z / (distance * distance * distance);
   }
   return sum;
 }
 
-// Direct light is exact where no random number takes part: in all methods but paths, which choose a light. Pairs of opposed axes at one place are one cluster for most of its refinement. At threshold 0 every
-// pair with light is reached; a target right outside of every cone is exactly black.
-// Planted bugs seen to fail: the beam width as cutoff, and the axis reversed, in the bound; the flux in place of 4 pi I;
-// no falloff in next event estimation.
+// Direct light is exact where no random number takes part: in all methods but paths, which choose a light. Pairs of
+// opposed axes at one place are one cluster for most of its refinement. At threshold 0 every pair with light is
+// reached; a target right outside of every cone is exactly black. Planted bugs seen to fail: the beam width as cutoff,
+// and the axis reversed, in the bound; the flux in place of 4 pi I; no falloff in next event estimation.
 TEST(SpotLightMethods, DirectLightIsExact) {
   std::vector<PointEmitter<S>> spots;
   for (int i = 0; i < 40; ++i) {
@@ -95,7 +96,8 @@ TEST(SpotLightMethods, AgreeOnBouncedLight) {
   auto room = box_mesh<S>({-1, -1, -1}, {1, 1, 1});
   room.flip_normals = true;
   builder.mesh(room, {Rgb<S>(0.6)});
-  builder.lights.points = {spot({0.2, 0, 0}, {0.5, 0.2, -1}, 0.4, 0.1, 3), spot({0.2, 0, 0}, {-0.5, 0, 1}, 0.9, 0.9, 2)};
+  builder.lights.points = {spot({0.2, 0, 0}, {0.5, 0.2, -1}, 0.4, 0.1, 3),
+                           spot({0.2, 0, 0}, {-0.5, 0, 1}, 0.9, 0.9, 2)};
   const auto scene = builder.build();
   ProbeCamera<S> camera;
   for (const S x : {-0.7, -0.2, 0.3, 0.8}) camera.add({x, 0.1, -1}, {x, 0, 0});

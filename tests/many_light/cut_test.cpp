@@ -64,9 +64,9 @@ WeightingConfig<S> random_config(RandomVertices<S>& random) {
   return c;
 }
 
-const std::vector<VertexKind> k_all_kinds{VertexKind::surface,       VertexKind::surface,
-                                          VertexKind::area_emitter,  VertexKind::two_sided_area_emitter,
-                                          VertexKind::point_emitter, VertexKind::spot_emitter,
+const std::vector<VertexKind> k_all_kinds{VertexKind::surface,         VertexKind::surface,
+                                          VertexKind::area_emitter,    VertexKind::two_sided_area_emitter,
+                                          VertexKind::point_emitter,   VertexKind::spot_emitter,
                                           VertexKind::infinite_emitter};
 
 struct Difference {

@@ -137,6 +137,26 @@ TEST_F(SceneFile, BumpAndNormalMapsStandAroundAMaterial) {
   EXPECT_TRUE(mapped.opacity.has_value());
 }
 
+std::string spot(const std::string& inside) {
+  return floor_scene("<emitter type=\"spot\"><transform name=\"to_world\"><lookat origin=\"1,2,3\" target=\"1,2,0\" "
+                     "up=\"0,1,0\"/></transform>" +
+                     inside + "</emitter>");
+}
+
+// Oracle: the peer's documentation: the light looks along local +z, 20 degrees and three quarters of it by default.
+TEST_F(SceneFile, SpotLights) {
+  const PointEmitter<float> light = load(spot("<rgb name=\"intensity\" value=\"7\"/>")).emitters.points.at(1);
+  EXPECT_EQ(light.position, Vec3<float>(1, 2, 3));
+  EXPECT_NEAR(glm::length(glm::normalize(light.axis) - Vec3<float>(0, 0, -1)), 0, 1e-6);  // some ulp
+  EXPECT_FLOAT_EQ(light.intensity.x, 7.0F);
+  EXPECT_FLOAT_EQ(light.cutoff, 20 * k_pi<float> / 180);
+  EXPECT_FLOAT_EQ(light.beam_width, 15 * k_pi<float> / 180);
+  const PointEmitter<float> hard = load(spot("<float name=\"cutoffAngle\" value=\"40\"/><float name=\"beamWidth\" "
+                                             "value=\"40\"/>"))
+                                       .emitters.points.at(1);
+  EXPECT_EQ(hard.cutoff, hard.beam_width);
+}
+
 struct BadCase {
   const char* name;
   std::string text;
@@ -182,6 +202,9 @@ INSTANTIATE_TEST_SUITE_P(
                 "oughness"},
         BadCase{"NegativeLight", floor_scene("<emitter type=\"constant\"><rgb name=\"radiance\" value=\"-1\"/></emitter>"),
                 "-1"},
+        BadCase{"SpotTexture", spot("<texture name=\"texture\" type=\"checkerboard\"/>"), "texture on a spot light"},
+        BadCase{"SpotBeamTooWide", spot("<float name=\"beam_width\" value=\"21\"/>"), "beam_width is out of range"},
+        BadCase{"SpotCutoff", spot("<float name=\"cutoff_angle\" value=\"-1\"/>"), "cutoff_angle is out of range"},
         BadCase{"SameIndices",
                 floor_scene("", "<bsdf type=\"roughdielectric\"><float name=\"int_ior\" value=\"1.2\"/><float "
                                 "name=\"ext_ior\" value=\"1.2\"/></bsdf>"),

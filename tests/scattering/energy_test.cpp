@@ -58,6 +58,20 @@ TEST(Energy, PhongEqualsTheTable) {
   EXPECT_NEAR(albedo_by_quadrature(Phong<double>{Rgb<double>(1), 100}, at_degrees(85)), 0.0976, 5e-5);  // half a unit
 }
 
+// Oracle: the mirror image of a Phong lobe, of the same albedo. Planted bug seen to fail: n + 1 in the peak.
+TEST(Energy, RetroPhongReturnsWhatPhongDoes) {
+  for (const double exponent : {0.0, 1.0, 10.0, 100.0}) {
+    for (const double degrees : {0.0, 45.0, 80.0}) {
+      const Vec3<double> wo = at_degrees(degrees, 0.3);
+      const RetroPhong<double> retro{Rgb<double>(1), exponent};
+      EXPECT_NEAR(albedo_by_quadrature(retro, wo), albedo_by_quadrature(Phong<double>{Rgb<double>(1), exponent}, wo),
+                  1e-5)  // the accuracy of two quadratures
+          << exponent << " at " << degrees;
+      EXPECT_NEAR(retro.eval(wo, wo).x, (exponent + 2) / (2 * k_pi<double>), 1e-12);  // the peak: back to wo
+    }
+  }
+}
+
 // Oracle: quadrature table of the theory, 1.3: original, Duer, bounded albedo. The row .05 at 89 degrees is a value of
 // our own, on which two quadratures and a Monte Carlo estimate (0.8249 +- 0.0012) agree.
 TEST(Energy, WardEqualsTheTable) {

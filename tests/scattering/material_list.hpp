@@ -12,6 +12,7 @@
 #include "manylight/scattering/oren_nayar.hpp"
 #include "manylight/scattering/phong.hpp"
 #include "manylight/scattering/plastic.hpp"
+#include "manylight/scattering/retro_phong.hpp"
 #include "manylight/scattering/rough_dielectric.hpp"
 #include "manylight/scattering/rough_plastic.hpp"
 #include "manylight/scattering/ward.hpp"
@@ -52,6 +53,9 @@ void for_each_material(const Visit& visit) {
   visit("Phong 0", Phong<S>{red, S(0)});
   visit("Phong 10", Phong<S>{white, S(10)});
   visit("Phong 100", Phong<S>{red, S(100)});
+  visit("RetroPhong 0", RetroPhong<S>{red, S(0)});
+  visit("RetroPhong 5", RetroPhong<S>{white, S(5)});
+  visit("RetroPhong 200", RetroPhong<S>{red, S(200)});
   visit("Ward .05", Ward<S>{white, S(0.05), S(0.05)});
   visit("Ward .1 .4", Ward<S>{red, S(0.1), S(0.4)});
   visit("Ward 1", Ward<S>{white, S(1), S(1)});

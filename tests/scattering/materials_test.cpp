@@ -165,6 +165,7 @@ void grazing_directions() {
   all_pairs("Ward 1e-4", Ward<S>{Rgb<S>(1), S(1e-4), S(1e-4)});
   all_pairs("GGX 1e-4", RoughConductor<S>{MicrofacetType::ggx, S(1e-4), S(1e-4)});
   all_pairs("Beckmann 1e-4", RoughConductor<S>{MicrofacetType::beckmann, S(1e-4), S(1e-4)});
+  all_pairs("RetroPhong 1e5", RetroPhong<S>{Rgb<S>(1), S(1e5)});
   all_pairs("Phong 1e5", Phong<S>{Rgb<S>(1), S(1e5)});
 }
 
@@ -210,6 +211,7 @@ TEST(Materials, RejectBadParameters) {
     expect_rejected(Lambertian<double>{colour}, "Lambertian reflectance");
     expect_rejected(OrenNayar<double>{colour}, "OrenNayar reflectance");
     expect_rejected(Phong<double>{colour}, "Phong specular");
+    expect_rejected(RetroPhong<double>{colour}, "RetroPhong specular");
     expect_rejected(Ward<double>{colour}, "Ward specular");
     expect_rejected(Mirror<double>{colour}, "Mirror reflectance");
     expect_rejected(SmoothConductor<double>{Rgb<double>(1), Rgb<double>(1), colour}, "SmoothConductor specular");

@@ -21,7 +21,8 @@ using Glass = RoughDielectric<double>;
 constexpr MicrofacetType k_ggx = MicrofacetType::ggx;
 constexpr MicrofacetType k_beckmann = MicrofacetType::beckmann;
 
-/// Smooth to rough, both distributions, isotropic and not, glass, water, diamond and an inside thinner than the outside.
+/// Smooth to rough, both distributions, isotropic and not, glass, water, diamond and an inside thinner than the
+/// outside.
 template <class Visit>
 void for_each_glass(const Visit& visit) {
   visit("GGX .1", Glass{1.5, k_ggx, 0.1, 0.1});
@@ -79,7 +80,8 @@ TEST(RoughDielectric, JacobianOfTheMapIsTheInverseDensity) {
       if (!w || !expected) continue;
       const bool reflects = w->z * known.z > 0;
       if (reflects != (u_lobe == 0)) continue;  // total reflection: the lobe is not what was asked for
-      const Vec3<double> sum = reflects ? *w + known : *w * (w->z > 0 ? 1 : glass.eta) + known * (known.z > 0 ? 1 : glass.eta);
+      const Vec3<double> sum =
+          reflects ? *w + known : *w * (w->z > 0 ? 1 : glass.eta) + known * (known.z > 0 ? 1 : glass.eta);
       Vec3<double> h = glm::normalize(sum);
       if (h.z < 0) h = -h;
       const double cosine = glm::dot(known, h);
@@ -104,9 +106,8 @@ struct Split {
 };
 Split energy(const Glass& glass, const Vec3<double>& wi, double tolerance) {
   const auto side = [&](double sign) {
-    return integrate_hemisphere(
-        [&](const Vec3<double>& w) { return max_channel(glass.eval(wi, w * sign)) * w.z; }, tolerance,
-        std::atan2(wi.y * sign, wi.x * sign));
+    return integrate_hemisphere([&](const Vec3<double>& w) { return max_channel(glass.eval(wi, w * sign)) * w.z; },
+                                tolerance, std::atan2(wi.y * sign, wi.x * sign));
   };
   const double same = std::copysign(1.0, wi.z);
   return {side(same), side(-same)};

@@ -32,7 +32,7 @@ ChiSquareResult test_sampler(const M& material, const Vec3<double>& known, Walk 
 // a factor 2 in the half-vector Jacobian; Phong's exponent n for n + 1; cos phi and sin phi exchanged in Ward's
 // azimuth; alpha_u and alpha_v exchanged when the visible normal is unstretched.
 void all_draw_by_their_density(Walk walk, std::uint64_t count, std::uint64_t seed) {
-  constexpr double k_cases = 35 * 5 * 2;
+  constexpr double k_cases = 38 * 5 * 2;
   const double level = sidak_level(k_family_level, k_cases);
   for_each_material<double>([&](const std::string& name, const auto& material) {
     for (const double degrees : {0.0, 30.0, 60.0, 85.0, 89.0}) {
@@ -46,7 +46,7 @@ TEST(Samplers, DrawByTheirDensityInEyeWalks) { all_draw_by_their_density(Walk::e
 TEST(Samplers, DrawByTheirDensityInLightWalks) { all_draw_by_their_density(Walk::light, 30000, 500); }
 
 TEST(Samplers, DrawByTheirDensityInFloat) {
-  constexpr double k_cases = 35 * 2;
+  constexpr double k_cases = 38 * 2;
   const double level = sidak_level(k_family_level, k_cases);
   std::uint64_t seed = 1000;
   for_each_material<float>([&](const std::string& name, const auto& material) {
@@ -104,6 +104,8 @@ TEST(Samplers, JacobianOfTheMapIsTheInverseDensity) {
   check_lobe("Phong 0", Phong<double>{white, 0});
   check_lobe("Phong 1", Phong<double>{white, 1});
   check_lobe("Phong 50", Phong<double>{white, 50});
+  check_lobe("RetroPhong 0", RetroPhong<double>{white, 0});
+  check_lobe("RetroPhong 50", RetroPhong<double>{white, 50});
   check_lobe("Ward .1 .4", Ward<double>{white, 0.1, 0.4});
   check_lobe("Ward .5", Ward<double>{white, 0.5, 0.5});
   check_lobe("OrenNayar", OrenNayar<double>{white, 0.3});

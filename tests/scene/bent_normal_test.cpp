@@ -138,7 +138,8 @@ TEST(BentNormal, TangentsAlongV) {
   };
   EXPECT_NEAR(glm::length(at(0, {0, 0, 1}, {0.4, 0.6, 0}).dpdv - Vec3<S>(0, -2, 0)), 0, k_ulps);
   for (const std::uint32_t shape : {1u, 2u}) {
-    const Vec3<S> target = shape == 1 ? Vec3<S>(1, 2, 3) + 2.0 * glm::normalize(Vec3<S>(0.5, 0.3, 0.4)) : Vec3<S>(1, 1.5, -4);
+    const Vec3<S> target =
+        shape == 1 ? Vec3<S>(1, 2, 3) + 2.0 * glm::normalize(Vec3<S>(0.5, 0.3, 0.4)) : Vec3<S>(1, 1.5, -4);
     const SurfacePoint<S> p = at(shape, target + Vec3<S>(1, 1, 1), target);
     constexpr S h = 1e-5;
     const Vec3<S> step = p.dpdv * h + p.dpdu * (2 * h);
@@ -179,8 +180,8 @@ TEST(BentNormal, SceneShadesWithItAndDoesNotLeak) {
       return scatter(at.material, at.frame, at.ng, glm::normalize(wi * side), glm::normalize(wo * side)).x;
     };
     EXPECT_NEAR(f({0.1, 0.2, 1}, {0, 0, 1}), 0.5 / k_pi<S>, k_ulps);
-    EXPECT_EQ(f({1, 0, -0.1}, {0, 0, 1}), 0);    // above the bent normal, below the surface
-    EXPECT_EQ(f({-1, 0, 0.1}, {0, 0, 1}), 0);    // below the bent normal, above the surface
+    EXPECT_EQ(f({1, 0, -0.1}, {0, 0, 1}), 0);  // above the bent normal, below the surface
+    EXPECT_EQ(f({-1, 0, 0.1}, {0, 0, 1}), 0);  // below the bent normal, above the surface
     EXPECT_EQ(f({0, 0, 1}, {1, 0, -0.1}), 0);
     EXPECT_EQ(f({0, 0, 1}, {-1, 0, 0.1}), 0);
   }

@@ -111,7 +111,8 @@ class RandomVertices {
       const S cutoff = log_uniform(0.02, 3.1);
       v.w = {chance(0.2) ? cutoff : uniform(0, static_cast<double>(cutoff)), cutoff, S(0)};
     }
-    v.exact = kind == VertexKind::point_emitter || kind == VertexKind::spot_emitter || (kind == VertexKind::infinite_emitter && chance(0.5));
+    v.exact = kind == VertexKind::point_emitter || kind == VertexKind::spot_emitter ||
+              (kind == VertexKind::infinite_emitter && chance(0.5));
     v.strength = color(0.05, 1) * log_uniform(0.1, 10);
     return v;
   }

@@ -2,8 +2,8 @@
 #pragma once
 
 // Shading normals that textures bend, for shaders that have a `shading_normal`. Both functions return a unit normal on
-// the side of `ng`, and the surface's own shading normal where the texture asks for one beyond the horizon, or where the
-// surface has no texture coordinates: such a place is shaded as if it were smooth, never black.
+// the side of `ng`, and the surface's own shading normal where the texture asks for one beyond the horizon, or where
+// the surface has no texture coordinates: such a place is shaded as if it were smooth, never black.
 
 #include <cmath>
 

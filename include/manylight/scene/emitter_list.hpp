@@ -22,8 +22,8 @@ struct AreaEmitter {
   bool two_sided = false;   ///< emits the same radiance on its inner side, too
 };
 
-/// Part of a spot light's intensity that leaves in the unit direction `w`: 1 up to `beam_width` off the unit `axis`, then
-/// linear in the angle down to 0 at `cutoff`; both in rad, 0 <= beam_width <= cutoff <= pi.
+/// Part of a spot light's intensity that leaves in the unit direction `w`: 1 up to `beam_width` off the unit `axis`,
+/// then linear in the angle down to 0 at `cutoff`; both in rad, 0 <= beam_width <= cutoff <= pi.
 template <std::floating_point S>
 [[nodiscard]] inline S spot_falloff(const Vec3<S>& w, const Vec3<S>& axis, S beam_width, S cutoff) noexcept {
   const S angle = std::atan2(glm::length(glm::cross(w, axis)), glm::dot(w, axis));  // exact for narrow cones, too
@@ -34,11 +34,11 @@ template <std::floating_point S>
 /// Point light, isotropic or, with a cutoff below pi, a spot light.
 template <std::floating_point S>
 struct PointEmitter {
-  Vec3<S> position{0};       ///< m, world
-  Rgb<S> intensity{1};       ///< W sr^-1; of a spot light along its axis
-  Vec3<S> axis{0, 0, 1};     ///< of a spot light, world, any length
-  S cutoff = k_pi<S>;        ///< half-angle of the cone that is lit, rad, [1e-4, pi]
-  S beam_width = k_pi<S>;    ///< half-angle of the cone of full intensity, rad, [0, cutoff]; see `spot_falloff`
+  Vec3<S> position{0};     ///< m, world
+  Rgb<S> intensity{1};     ///< W sr^-1; of a spot light along its axis
+  Vec3<S> axis{0, 0, 1};   ///< of a spot light, world, any length
+  S cutoff = k_pi<S>;      ///< half-angle of the cone that is lit, rad, [1e-4, pi]
+  S beam_width = k_pi<S>;  ///< half-angle of the cone of full intensity, rad, [0, cutoff]; see `spot_falloff`
 
   [[nodiscard]] bool is_spot() const noexcept { return beam_width < k_pi<S>; }
   /// Intensity in the unit direction `w`, W sr^-1. The axis must be unit.
