@@ -17,12 +17,13 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "manylight/bounds/analytic.hpp"
+#include "manylight/bounds/falsify.hpp"
 #include "manylight/core/sobol.hpp"
 #include "manylight/core/tbb_executor.hpp"
 #include "manylight/geometry/bvh.hpp"
 #include "manylight/integrator/bidirectional_lightcuts.hpp"
 #include "manylight/integrator/instant_radiosity.hpp"
-#include "render/either_bounds.hpp"
 #include "render/file_shader.hpp"
 #include "render/setup.hpp"
 #include "scene_file/load_scene.hpp"
@@ -67,6 +68,34 @@ std::vector<Window> stratified_windows(std::uint32_t width, std::uint32_t height
   }
   return windows;
 }
+
+/// The kinds of bounds as one type, so that cuts are instantiated once. `sampled`: the largest of 64 values, no bound
+/// but what a perfect one would come near to.
+struct AnyBounds {
+  std::string kind;
+  CubeMapLimits limits{};
+
+  [[nodiscard]] bool makes_maps() const noexcept { return kind == "cube-map"; }
+  template <Material M, class Wi, class Wo>
+  [[nodiscard]] PatternSup<float> sup(const M& m, const Wi& wi, const Wo& wo) const noexcept {
+    if (kind == "analytic") return AnalyticBounds{}.sup(m, wi, wo);
+    if (kind != "sampled") return AutomaticBounds{}.sup(m, wi, wo);
+    IndependentStream<float> stream(0, Stage::test, 0, 0);
+    PatternSup<float> most;
+    for (int i = 0; i < 64; ++i) {
+      const Vec3<float> a = member(wi, stream);
+      const float f = max_channel(m.eval(a, member(wo, stream)));
+      most = {std::max(most.eval, f), std::max(most.eval_cos, f * std::abs(a.z))};
+    }
+    return most;
+  }
+
+ private:
+  static Vec3<float> member(const Vec3<float>& w, IndependentStream<float>&) noexcept { return w; }
+  static Vec3<float> member(const DirectionSet<float>& set, IndependentStream<float>& stream) noexcept {
+    return detail::random_member(set, stream);
+  }
+};
 
 struct Moments {
   double sum = 0, squares = 0;
@@ -124,9 +153,7 @@ void run(const Arguments& arguments) {
     const LightTree<SceneType> tree(lights.lights.vpls, setup.executor);
     for (const std::string& method : arguments.methods) {
       for (const std::string& kind : arguments.bounds) {
-        const EitherBounds bounds{kind == "analytic"   ? BoundsKind::analytic
-                                  : kind == "cube-map" ? BoundsKind::cube_map
-                                                       : BoundsKind::automatic};
+        const AnyBounds bounds{kind};
         const std::uint32_t edge = method == "vpl" ? 1 : 16;
         const auto windows = stratified_windows(arguments.side, arguments.side, arguments.tiles, edge);
         nlohmann::json row = measure(windows, [&](const Window& window) {
@@ -162,7 +189,8 @@ int main(int argc, char** argv) {
   CLI::App app{"Core-milliseconds per pixel of cuts and of all pairs.", "bench_cuts"};
   app.add_option("scene", arguments.scene, "Scene file, .xml")->required();
   app.add_option("--method", arguments.methods, "lightcuts, bdlc, vpl; repeatable");
-  app.add_option("--bounds", arguments.bounds, "automatic, analytic, cube-map; repeatable");
+  app.add_option("--bounds", arguments.bounds,
+                 "automatic, analytic, cube-map, sampled (no bound: a yardstick); repeatable");
   app.add_option("--vpls", arguments.vpls, "Virtual point lights; repeatable");
   app.add_option("--size", arguments.side, "Side of the square image, pixels");
   app.add_option("--tiles", arguments.tiles, "Tiles (single pixels of method vpl)");
