@@ -18,6 +18,7 @@
 #include "scattering/material_list.hpp"
 
 namespace manylight {
+using Bounds = AutomaticBounds;  // the tests are named after it
 namespace {
 
 template <class S>
@@ -330,6 +331,7 @@ TEST(AutomaticBoundsOf, DeltaLobesAreZeroAndUnknownOnesUnbounded) {
                 SetEvaluable<Dielectric<float>> && SetEvaluable<ThinDielectric<float>>);
   const DirectionSet<double> set(Vec3<double>(0, 0, 1), 0.5);
   const Vec3<double> w(0.6, 0, 0.8);
+  const auto sup_eval = [](const auto& m, const auto& wi, const auto& wo) { return Bounds{}.sup(m, wi, wo).eval; };
   EXPECT_EQ(sup_eval(Mirror<double>{}, set, w), 0.0);
   EXPECT_EQ(sup_eval(SmoothConductor<double>{}, set, set), 0.0);
   EXPECT_EQ(sup_eval(Dielectric<double>{}, set, w), 0.0);
