@@ -8,6 +8,7 @@
 The meshes in examples/scenes/cafe_table are what the second command makes. Lengths are metres, +z is up. The same
 files come out of each run, byte by byte.
 """
+import functools
 import math
 import pathlib
 import random
@@ -87,8 +88,12 @@ class Mesh:
 
     def revolve(self, profile, nu, nv, flutes=0, depth=0.0):
         """Points (radius, height) from the bottom outside to the top, round the z axis."""
+        @functools.lru_cache(maxsize=None)
+        def outline(v):
+            return spline(profile, v)
+
         def f(u, v):
-            r, z = spline(profile, v)
+            r, z = outline(v)
             r = max(r, 0.0) * (1 - depth * (0.5 - 0.5 * math.cos(TAU * flutes * u)))
             return (r * math.cos(TAU * u), r * math.sin(TAU * u), z)
         return self.surface(f, nu, nv)
@@ -151,11 +156,11 @@ class Mesh:
         self.quads += [tuple(first + i for i in quad) for quad in other.quads]
         return self
 
-    def faces(self):
-        """The quadrilaterals, those with two equal neighbouring corners as triangles."""
-        keys = [tuple(round(x, 6) for x in p) for p, _, _ in self.vertices]
+    def faces(self, at=None):
+        """The quadrilaterals, those with two neighbouring corners `at` the same place as triangles."""
+        at = at or [p for p, _, _ in self.vertices]
         for quad in self.quads:
-            face = [a for k, a in enumerate(quad) if keys[a] != keys[quad[k - 1]]]
+            face = [a for k, a in enumerate(quad) if at[a] != at[quad[k - 1]]]
             if len(face) > 2:
                 yield face
 
@@ -165,7 +170,7 @@ class Mesh:
     def write(self, path):
         """Binary PLY with normals and uv."""
         faces = [struct.pack("<B%dI" % len(face), len(face), *face) for face in self.faces()]
-        data = [struct.pack("<8f", *(round(x, 6) for part in vertex for x in part)) for vertex in self.vertices]
+        data = [struct.pack("<8f", *p, *n, *uv) for p, n, uv in self.vertices]
         write_ply(path, ("x", "y", "z", "nx", "ny", "nz", "u", "v"), data, "uint", faces)
 
     def write_small(self, path):
@@ -177,7 +182,7 @@ class Mesh:
                 places[key] = len(places)
                 data.append(struct.pack("<3f", *key))
             index.append(places[key])
-        faces = [struct.pack("<B%dH" % len(face), len(face), *(index[a] for a in face)) for face in self.faces()]
+        faces = [struct.pack("<B%dH" % len(face), len(face), *(index[a] for a in face)) for face in self.faces(index)]
         write_ply(path, ("x", "y", "z"), data, "ushort", faces)
 
 
@@ -593,7 +598,13 @@ def lantern_hall(folder):
     write_png(folder / "stone.png", 256, 256, stone_color())
     write_png(folder / "weave.png", 128, 128, weave_color)
     (folder / "lantern_hall.xml").write_text(HALL_HEAD + "\n".join(xml.lines) + "\n</scene>\n")
-    return "%d meshes, 2 textures, lantern_hall.xml" % len(meshes)
+    lamps = sum("<emitter" in line for line in xml.lines)
+    triangles = 0
+    for line in xml.lines:
+        triangles += 2 * line.startswith('  <shape type="rectangle"')
+        if '"filename"' in line:
+            triangles += meshes[line.split('"')[-2][:-4]].triangle_count()
+    return "lantern_hall.xml with %d lamps and %d triangles" % (lamps, triangles)
 
 
 SCENES = {"cafe_table": cafe_table, "lantern_hall": lantern_hall}
