@@ -39,13 +39,26 @@ def unit(a):
 
 
 def spline(points, t):
-    """The Catmull-Rom curve through `points`, t in [0, 1]; a doubled point makes a tight corner."""
+    """A smooth curve through `points`, t in [0, 1], the same share of t for each stretch. Knots are spaced by the roots
+    of the distances (centripetal Catmull-Rom): short stretches between long ones, as at lips, make no loops."""
     at = min(max(t, 0.0), 1.0) * (len(points) - 1)
     i = min(int(at), len(points) - 2)
     x = at - i
-    a, b, c, d = (points[min(max(i + k, 0), len(points) - 1)] for k in (-1, 0, 1, 2))
-    return tuple(0.5 * (2 * q + (r - p) * x + (2 * p - 5 * q + 4 * r - s) * x * x + (3 * (q - r) + s - p) * x * x * x)
-                 for p, q, r, s in zip(a, b, c, d))
+
+    def step(k):  # from point k to the next one
+        return math.sqrt(math.dist(points[k], points[k + 1]))
+
+    def slope(k):
+        if k == 0 or k == len(points) - 1:
+            j = min(k, len(points) - 2)
+            return tuple((q - p) / step(j) for p, q in zip(points[j], points[j + 1]))
+        h, g = step(k - 1), step(k)
+        return tuple((q - p) / h - (r - p) / (h + g) + (r - q) / g
+                     for p, q, r in zip(points[k - 1], points[k], points[k + 1]))
+    h = step(i)
+    y = 1 - x
+    return tuple((1 + 2 * x) * y * y * p + x * y * y * h * m + (1 + 2 * y) * x * x * q - x * x * y * h * n
+                 for p, q, m, n in zip(points[i], points[i + 1], slope(i), slope(i + 1)))
 
 
 # ---- meshes ----
@@ -67,8 +80,8 @@ class Mesh:
                 self.quads.append((a, a + 1, a + 1 + width, a + width))
         return self
 
-    def surface(self, f, nu, nv, flip=False):
-        """f(u, v) over [0, 1]^2; normals along df/du x df/dv, or against it."""
+    def surface(self, f, nu, nv):
+        """f(u, v) over [0, 1]^2; normals along df/du x df/dv."""
         def normal(u, v):
             for inside in (0.0, 1e-2):  # a pole has no derivative by u
                 at = v + inside * (1 if v < 0.5 else -1)
@@ -76,18 +89,11 @@ class Mesh:
                 if dot(n, n) > 1e-26:
                     return unit(n)
             raise ValueError("a surface without a normal")
-        rows = []
-        for j in range(nv + 1):
-            row = []
-            for i in range(nu + 1):
-                u, v = i / nu, j / nv
-                n = normal(u, v)
-                row.append((f(u, v), add((0, 0, 0), n, -1.0) if flip else n, (u, v)))
-            rows.append(row[::-1] if flip else row)
-        return self.grid(rows)
+        at = [[(i / nu, j / nv) for i in range(nu + 1)] for j in range(nv + 1)]
+        return self.grid([[(f(u, v), normal(u, v), (u, v)) for u, v in row] for row in at])
 
     def revolve(self, profile, nu, nv, flutes=0, depth=0.0):
-        """Points (radius, height) from the bottom outside to the top, round the z axis."""
+        """Points (radius, height) turned round the z axis, from the bottom outside to the top, inside after that."""
         @functools.lru_cache(maxsize=None)
         def outline(v):
             return spline(profile, v)
@@ -206,7 +212,7 @@ def write_png(path, width, height, color):
                      chunk(b"IEND", b""))
 
 
-# ---- shapes that both scenes share in kind ----
+# ---- the café ----
 
 def arc(count, f):
     return [f(i / (count - 1)) for i in range(count)]
@@ -264,7 +270,7 @@ LANTERN_COLORS = ((1.0, 0.38, 0.07), (1.0, 0.3, 0.04), (1.0, 0.52, 0.16), (1.0, 
 
 
 def vault(springing, rise, half_width, bay, bays, steps):
-    """Crossing barrels over each bay: two meshes' worth of patches, split where the barrels meet."""
+    """Crossing barrels over each bay, which share no vertices where they meet."""
     mesh = Mesh()
     angles = [math.pi * k / steps for k in range(steps + 1)]
     for b in range(bays):
@@ -539,8 +545,8 @@ def hall_furniture(meshes, xml):
     ply("cloth", "cloth", "table_cloth")
     top = Mesh().box((-0.88, 3.62, 0.7), (0.28, 9.98, 0.752))
     for y in (3.9, 6.8, 9.7):
-        top.append(Mesh().revolve([(0.1, 0), (0.1, 0.04), (0.05, 0.1), (0.075, 0.35), (0.05, 0.6), (0.09, 0.7)], 20, 20),
-                   (-0.3, y, 0))
+        leg = [(0.1, 0), (0.1, 0.04), (0.05, 0.1), (0.075, 0.35), (0.05, 0.6), (0.09, 0.7)]
+        top.append(Mesh().revolve(leg, 20, 20), (-0.3, y, 0))
     meshes["table"] = top
     ply("table", "table", "oak")
     meshes["stool"] = Mesh().revolve(

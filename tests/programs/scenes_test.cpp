@@ -65,7 +65,7 @@ std::size_t textured_material_count(const SceneDescription& scene) {
 }
 
 /// Every vertex normal lies on the side of its triangle that the order of the corners says.
-/// Planted bug seen to fail: the rows of `surface` not reversed where its normals are.
+/// Planted bug seen to fail: the normals of `surface` turned round.
 void expect_outward_normals(const SceneDescription& scene) {
   for (const TriangleMesh<float>& mesh : scene.shapes.meshes) {
     std::size_t inward = 0;
@@ -89,20 +89,15 @@ TEST_F(ShippedScenes, LanternHallHasWhatItsDocumentationPromises) {
   EXPECT_GE(kinds_in_use(scene).size(), 6U);
   EXPECT_GE(textured_material_count(scene), 2U);
   expect_outward_normals(scene);
-}
-
-TEST_F(ShippedScenes, GeneratedFilesAreTheSameInEachRun) {
-  static_cast<void>(generate("lantern_hall", "a"));
-  static_cast<void>(generate("lantern_hall", "b"));
-  const auto files = files_of(path("a"));
-  EXPECT_EQ(files.count("lantern_hall.xml"), 1U);
-  EXPECT_EQ(files, files_of(path("b")));  // planted bug: a lantern's colour from hash(), which Python salts
+  static_cast<void>(generate("lantern_hall", "again"));
+  // Planted bug seen to fail: a colour chosen by hash(), which Python salts anew in each run.
+  EXPECT_TRUE(files_of(path("hall")) == files_of(path("again")));
 }
 
 TEST_F(ShippedScenes, CafeTableHasItsBallsLampsAndMeshes) {
   static_cast<void>(generate("cafe_table", "cafe"));
-  // The same decimals in single precision, whatever the mathematical library.
-  EXPECT_EQ(files_of(path("cafe")), files_of(k_scenes / "cafe_table"));
+  // Positions are rounded to 10 um, so that the mathematical library's last bits do not matter.
+  EXPECT_TRUE(files_of(path("cafe")) == files_of(k_scenes / "cafe_table"));
   const SceneDescription scene = load_scene(k_scenes / "cafe_table.xml");
   EXPECT_TRUE(scene.warnings.empty());
   EXPECT_GE(scene.emitters.areas.size(), 5U);
