@@ -72,7 +72,8 @@ void expect_outward_normals(const SceneDescription& scene) {
     for (const auto& corner : mesh.triangles) {
       const Vec3<float>& a = mesh.positions[corner[0]];
       const Vec3<float> n = glm::cross(mesh.positions[corner[1]] - a, mesh.positions[corner[2]] - a);
-      for (const std::uint32_t k : corner) inward += !mesh.normals.empty() && glm::dot(n, mesh.normals[k]) < 0 ? 1U : 0U;
+      for (const std::uint32_t k : corner)
+        inward += !mesh.normals.empty() && glm::dot(n, mesh.normals[k]) < 0 ? 1U : 0U;
     }
     EXPECT_LE(inward, mesh.triangles.size() / 50);  // of three corners each; tight edges and poles may turn a few
   }
@@ -113,7 +114,8 @@ TEST_F(ShippedScenes, CafeTableHasItsBallsLampsAndMeshes) {
 
 TEST_F(ShippedScenes, BadCallsOfTheScriptEndInOneLine) {
   const std::string file = write("file", "").string();
-  for (const std::string& arguments : {std::string(), std::string("lantern_hall"), "teapot " + file, "cafe_table " + file}) {
+  for (const std::string& arguments :
+       {std::string(), std::string("lantern_hall"), "teapot " + file, "cafe_table " + file}) {
     const ProgramRun run = generate(arguments);
     EXPECT_EQ(run.exit_code, 2) << run.output;
     EXPECT_EQ(std::count(run.output.begin(), run.output.end(), '\n'), 1) << run.output;
