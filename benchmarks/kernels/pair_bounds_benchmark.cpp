@@ -20,7 +20,7 @@ namespace {
 
 using namespace manylight;
 
-constexpr std::size_t k_pairs = 2048;
+constexpr std::size_t k_pairs = 512;
 constexpr std::size_t k_batch = 32;  ///< of a cut: two parts of each of 16 clusters
 
 template <std::floating_point S>

@@ -62,7 +62,9 @@ template <std::floating_point S>
 /// Correctly rounded, as std::sqrt, which the compilers keep scalar for its errno.
 template <std::floating_point S>
 [[nodiscard]] inline Pack<S> pack_sqrt(const Pack<S>& x) noexcept {
-#if defined(__AVX__)
+#if __has_builtin(__builtin_elementwise_sqrt)
+  return __builtin_elementwise_sqrt(x);
+#elif defined(__AVX__)
   if constexpr (sizeof(S) == 4) {
     return __builtin_ia32_sqrtps256(x);
   } else {

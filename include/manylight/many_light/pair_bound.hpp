@@ -60,8 +60,8 @@ template <std::floating_point S>
   return std::max(luminance(gather.strength * light.intensity), of_estimate) * bound;
 }
 
-/// Which side of two inner nodes to split: the one whose size, or spread of normals seen from the other side's distance, is larger
-/// [theory 5.4].
+/// Which side of two inner nodes to split: the one whose size, or spread of normals seen from the other side's distance,
+/// is larger [theory 5.4].
 template <std::floating_point S>
 [[nodiscard]] inline bool splits_gather(const GatherNode<S>& gather, const LightNode<S>& light) noexcept {
   if (light.is_infinite) return S(2) * spread(gather.normals) > light.box.diagonal();
