@@ -79,6 +79,9 @@ TYPED_TEST_SUITE(PairBoundPacks, Scalars);
 
 // Lists of all lengths by one object, so that lanes keep what longer lists left there. Rounding may move a cosine over
 // a ring of the profile or the edge of a spot light: allowed in 1 of 2000 pairs for float, in none for double.
+// Planted bugs seen to fail: the mask of two-sided lights, or that of patterns with both sides, inverted; the normals'
+// cosine taken for the lobes'; the flags of the last lane for all; lights at infinity seen from the sensors' box; their
+// sides compared by distance; an incomplete last pack left out.
 TYPED_TEST(PairBoundPacks, EqualTheScalarDefinition) {
   using S = TypeParam;
   const double tolerance = sizeof(S) == 4 ? 1e-4 : 1e-9;  // of a bound at cosines 1: sines are steep next to -1
@@ -125,6 +128,8 @@ TYPED_TEST(PairBoundPacks, EqualTheScalarDefinition) {
   EXPECT_LT(on_gather, pairs * 9 / 10);
 }
 
+// Planted bugs seen to fail: those above, but for the mask of patterns with both sides, which no material here has, and
+// the sides.
 TYPED_TEST(PairBoundPacks, HoldForEveryPairOfMembers) {
   using S = TypeParam;
   using Scene = test::MixedScene<S>;

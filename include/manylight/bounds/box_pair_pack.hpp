@@ -117,7 +117,7 @@ class BoxDirectionsPack {
     const Pack<S> cosine = box.max_cosine_with(axes.axis) + rounding;  // before the sine, which is steep next to -1
     const Pack<S> sine = pack_sqrt<S>(pack_max<S>(Pack<S>{}, one - cosine * cosine));
     const Pack<S> turned = pack_min<S>(one, cosine * axes.cos_half + sine * axes.sin_half + rounding);
-    return (cosine >= axes.cos_half) | (axes.cos_half <= -one) ? one : turned;
+    return cosine >= axes.cos_half ? one : turned;  // full cones, too: their -1 is below every cosine and its rounding
   }
 
  private:
@@ -138,7 +138,7 @@ class BoxDirectionsPack {
     const Pack<S> t = min_distance({b, sign + n[1] * n[1] * f, -n[1]});
     const Pack<S> across = s * s + t * t;
     const Pack<S> cosine = z / pack_sqrt<S>(z < S(0) ? longest : across + z * z);
-    return (z < S(0)) | (across > S(0)) ? cosine : broadcast(S(1));
+    return ((z < S(0)) | (across > S(0))) ? cosine : broadcast(S(1));
   }
   [[nodiscard]] Pack<S> min_distance(const PackVec<S>& axis) const noexcept {
     const PackVec<S> absolute{pack_abs<S>(axis[0]), pack_abs<S>(axis[1]), pack_abs<S>(axis[2])};
