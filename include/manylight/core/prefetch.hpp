@@ -11,6 +11,7 @@ inline void prefetch([[maybe_unused]] const void* address, [[maybe_unused]] std:
   constexpr std::size_t k_line = 64;
   const char* const first = static_cast<const char*>(address);
   for (std::size_t offset = 0; offset < bytes; offset += k_line) __builtin_prefetch(first + offset);
+  __builtin_prefetch(first + bytes - 1);  // the range need not begin with a line
 #endif
 }
 

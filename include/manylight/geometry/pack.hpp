@@ -2,6 +2,7 @@
 #pragma once
 
 #include <bit>
+#include <cmath>
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
@@ -42,6 +43,44 @@ template <std::floating_point S>
 template <std::floating_point S>
 [[nodiscard]] inline Pack<S> pack_max(const Pack<S>& a, const Pack<S>& b) noexcept {
   return a > b ? a : b;
+}
+
+template <std::floating_point S>
+[[nodiscard]] inline PackMask<S> sign_bits() noexcept {
+  return std::bit_cast<PackMask<S>>(broadcast(S(-0.0)));
+}
+template <std::floating_point S>
+[[nodiscard]] inline Pack<S> pack_abs(const Pack<S>& x) noexcept {
+  return std::bit_cast<Pack<S>>(std::bit_cast<PackMask<S>>(x) & ~sign_bits<S>());
+}
+/// +-1 with the sign of x, also of zeros.
+template <std::floating_point S>
+[[nodiscard]] inline Pack<S> pack_sign(const Pack<S>& x) noexcept {
+  return std::bit_cast<Pack<S>>((std::bit_cast<PackMask<S>>(x) & sign_bits<S>()) |
+                                std::bit_cast<PackMask<S>>(broadcast(S(1))));
+}
+/// Correctly rounded, as std::sqrt, which the compilers keep scalar for its errno.
+template <std::floating_point S>
+[[nodiscard]] inline Pack<S> pack_sqrt(const Pack<S>& x) noexcept {
+#if __has_builtin(__builtin_elementwise_sqrt)
+  return __builtin_elementwise_sqrt(x);
+#elif defined(__AVX__)
+  if constexpr (sizeof(S) == 4) {
+    return __builtin_ia32_sqrtps256(x);
+  } else {
+    return __builtin_ia32_sqrtpd256(x);
+  }
+#elif defined(__SSE2__)
+  if constexpr (sizeof(S) == 4) {
+    return __builtin_ia32_sqrtps(x);
+  } else {
+    return __builtin_ia32_sqrtpd(x);
+  }
+#else
+  Pack<S> root = x;
+  for (std::size_t lane = 0; lane < k_lanes<S>; ++lane) root[lane] = std::sqrt(x[lane]);
+  return root;
+#endif
 }
 
 /// a * b - c * d with both products rounded: its sign is then the exact one or 0. Fused into one multiply-add, which

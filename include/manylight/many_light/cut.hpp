@@ -6,7 +6,7 @@
 // split until no bound exceeds a fraction of the pixel's total.
 //
 //   symbol        here                      symbol        here
-//   S_C, I_L      GatherNode, LightNode     UB(C, L)      pair_bound
+//   S_C, I_L      GatherNode, LightNode     UB(C, L)      pair_bound, PairBounds
 //   s*, l*        Cluster::sensor, vpl      eps, floor    CutConfig
 //
 // Departure: the paper keeps one representative per gather node. Then all light clusters that meet an unsplit gather node
@@ -14,15 +14,17 @@
 // walls came out at a third of their value. Here every new cluster pair draws its own sensor; a split still hands the
 // parent's pair to exactly one child, so that it costs one new evaluation.
 //
-// Work goes by small batches of the worst clusters: their nodes, VPLs and shadow rays are independent of each other, so
-// that memory is asked for ahead and rays are traced together. A batch costs at most its size in splits too many.
+// Work goes by small batches of the worst clusters: their nodes, bounds, VPLs and shadow rays are independent of each
+// other, so that memory is asked for ahead, bounds are computed in packs and rays are traced together. A batch costs at
+// most its size in splits too many. How a cluster will be split is settled when it enters the cut and its nodes are at hand.
 
 #include <algorithm>
-#include <array>
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
 #include "manylight/core/error.hpp"
+#include "manylight/many_light/cut_parts.hpp"
 #include "manylight/many_light/gather_tree.hpp"
 #include "manylight/many_light/light_tree.hpp"
 #include "manylight/many_light/pair_bound.hpp"
@@ -61,9 +63,12 @@ class CutSum {
         limits_{weighting.light_limit(), weighting.clamp(), scene.emitters().scene_radius()},
         max_edges_(max_edges),
         config_(config),
-        bounds_(bounds) {
+        bounds_(bounds),
+        parts_(gather_, lights) {
     config.validate();
   }
+  CutSum(const CutSum&) = delete;  // parts_ refers to gather_
+  CutSum& operator=(const CutSum&) = delete;
 
   /// Sum over all pairs of `sensors` and lights. `known`: radiance that the pixel has already, part of the total that
   /// errors are measured against. `key`: seeds the representatives, a function of the pixel.
@@ -77,19 +82,9 @@ class CutSum {
   /// A cluster pair of the cut.
   struct Cluster {
     Rgb<S> unit{0};        ///< w M T D of s*, l* with their colours: estimate per unit of the clusters' luminances
-    S scale = S(0);        ///< luminance(S_C) luminance(I_L)
-    std::uint32_t gather;  ///< C
-    std::uint32_t light;   ///< L
+    ClusterPair<S> pair;   ///< (C, L)
     std::uint32_t sensor;  ///< s*, place in the gather tree's leaf order
     std::uint32_t vpl;     ///< l*, place in the light tree's leaf order
-  };
-  /// Heap order: worst error first, ties by age, never by address.
-  struct Candidate {
-    S error;
-    std::uint32_t cluster;
-    friend bool operator<(const Candidate& a, const Candidate& b) noexcept {
-      return a.error != b.error ? a.error < b.error : a.cluster > b.cluster;
-    }
   };
   /// A new cluster whose representative waits to be evaluated.
   struct Pending {
@@ -100,7 +95,7 @@ class CutSum {
   };
 
   [[nodiscard]] static Rgb<double> estimate(const Cluster& c) noexcept {
-    return Rgb<double>(c.unit) * static_cast<double>(c.scale);
+    return Rgb<double>(c.unit) * static_cast<double>(c.pair.scale);
   }
   [[nodiscard]] std::size_t cut_size() const noexcept { return heap_.size() + settled_count_; }
 
@@ -108,8 +103,9 @@ class CutSum {
   [[nodiscard]] bool take_worst();
   void split_batch();
   void split(std::uint32_t cluster);
-  void inherit(std::uint32_t cluster, std::uint32_t gather, std::uint32_t light);
-  void open(std::uint32_t gather, std::uint32_t light);
+  void place_parts();
+  void inherit(const CutPart<S>& part);
+  void open(const CutPart<S>& part);
   void evaluate_pending();
   void place(std::uint32_t cluster, S error);
 
@@ -122,13 +118,13 @@ class CutSum {
   B bounds_;
 
   GatherTree<Scene, W> gather_;
-  typename LightTree<Scene>::Leaf leaf_;
   std::vector<Cluster> clusters_;
-  std::vector<Candidate> heap_;        ///< clusters that may be split
+  std::vector<CutCandidate<S>> heap_;  ///< clusters that may be split
   std::size_t settled_count_ = 0;      ///< clusters without error
   Rgb<double> settled_{0};             ///< their sum
   Rgb<double> total_{0};               ///< of everything, `known` included
   std::vector<std::uint32_t> batch_;
+  CutParts<Scene, W> parts_;
   std::vector<Pending> pending_;
   std::vector<Ray<S>> rays_;
   std::vector<S> visible_;
@@ -146,7 +142,7 @@ PairSumResult CutSum<Scene, W, B>::operator()(const std::vector<Sensor<Scene, W>
   // Summed afresh: the running total has lost small terms under large early estimates.
   PairSumResult result;
   result.radiance = settled_;
-  for (const Candidate& candidate : heap_) {
+  for (const CutCandidate<S>& candidate : heap_) {
     result.radiance += estimate(clusters_[candidate.cluster]);
     statistics_.error_bound += static_cast<double>(candidate.error);
   }
@@ -167,8 +163,8 @@ void CutSum<Scene, W, B>::start(const std::vector<Sensor<Scene, W>>& sensors, co
   settled_count_ = 0;
   settled_ = Rgb<double>(0);
   total_ = known;
-  for (const std::uint32_t root : lights_.roots()) open(0, root);
-  evaluate_pending();
+  for (const std::uint32_t root : lights_.roots()) parts_.add(CutPart<S>::k_new, 0, root);
+  place_parts();
 }
 
 /// Moves the worst clusters above the allowed error from the heap to the batch; false if there are none.
@@ -191,65 +187,63 @@ bool CutSum<Scene, W, B>::take_worst() {
 
 template <class Scene, class W, PatternBounds<typename Scene::Material> B>
 void CutSum<Scene, W, B>::split_batch() {
-  for (const std::uint32_t cluster : batch_) lights_.prefetch_node(clusters_[cluster].light);
-  for (const std::uint32_t cluster : batch_) lights_.prefetch_children(clusters_[cluster].light);
+  for (const std::uint32_t cluster : batch_) parts_.prefetch(clusters_[cluster].pair);
   for (const std::uint32_t cluster : batch_) split(cluster);
-  evaluate_pending();
+  place_parts();
 }
 
 /// Replaces a cluster by two: one keeps its representative pair (and its slot), the other draws a new one.
 template <class Scene, class W, PatternBounds<typename Scene::Material> B>
 void CutSum<Scene, W, B>::split(std::uint32_t cluster) {
-  const Cluster parent = clusters_[cluster];
-  total_ -= estimate(parent);
-  const GatherNode<S>& g = gather_.node(parent.gather);
-  const bool on_gather = !g.is_leaf && (LightTree<Scene>::is_leaf(parent.light) ||
-                                        splits_gather(g, lights_.node(parent.light, leaf_)));
-  const std::array<std::uint32_t, 2> children =
-      on_gather ? gather_.children(parent.gather) : lights_.node(parent.light, leaf_).children;
-  const std::uint32_t heir = on_gather ? gather_.inheriting_child(parent.gather, parent.sensor)
-                                       : lights_.inheriting_child(parent.light, parent.vpl);
-  for (const std::uint32_t child : children) {
-    const std::uint32_t gather = on_gather ? child : parent.gather;
-    const std::uint32_t light = on_gather ? parent.light : child;
-    if (child == heir) {
-      inherit(cluster, gather, light);
-    } else {
-      open(gather, light);
-    }
+  const Cluster& c = clusters_[cluster];
+  const ClusterPair<S>& p = c.pair;
+  total_ -= estimate(c);
+  const std::uint32_t heir = p.splits_gather ? gather_.inheriting_child(p.gather, c.sensor)
+                                             : lights_.inheriting_child(p.children, c.vpl);
+  for (const std::uint32_t child : p.children) {
+    const std::uint32_t slot = child == heir ? cluster : CutPart<S>::k_new;
+    parts_.add(slot, p.splits_gather ? child : p.gather, p.splits_gather ? p.light : child);
   }
 }
 
+/// Puts all parts into the cut.
 template <class Scene, class W, PatternBounds<typename Scene::Material> B>
-void CutSum<Scene, W, B>::inherit(std::uint32_t cluster, std::uint32_t gather, std::uint32_t light) {
-  Cluster& c = clusters_[cluster];
-  c.gather = gather;
-  c.light = light;
-  const GatherNode<S>& g = gather_.node(gather);
-  const LightNode<S>& l = lights_.node(light, leaf_);
-  c.scale = luminance(g.strength) * luminance(l.intensity);
-  total_ += estimate(c);
-  place(cluster, g.is_leaf && l.is_leaf ? S(0) : pair_error(g, l, c.scale, pair_bound(g, l, limits_)));
+void CutSum<Scene, W, B>::place_parts() {
+  for (const CutPart<S>& part : parts_.evaluate(limits_)) {
+    if (part.cluster == CutPart<S>::k_new) {
+      open(part);
+    } else {
+      inherit(part);
+    }
+  }
+  parts_.clear();
+  // The front of the heap is close to the next batch, and shadow rays will give the memory time to answer.
+  const std::size_t next = std::min(k_batch, heap_.size());
+  for (std::size_t i = 0; i < next; ++i) parts_.prefetch(clusters_[heap_[i].cluster].pair);
+  evaluate_pending();
 }
 
 template <class Scene, class W, PatternBounds<typename Scene::Material> B>
-void CutSum<Scene, W, B>::open(std::uint32_t gather, std::uint32_t light) {
-  const GatherNode<S>& g = gather_.node(gather);
-  const LightNode<S>& l = lights_.node(light, leaf_);
-  const S bound = pair_bound(g, l, limits_);
-  if (!(bound > S(0))) {
+void CutSum<Scene, W, B>::inherit(const CutPart<S>& part) {
+  Cluster& c = clusters_[part.cluster];
+  c.pair = part.pair;
+  total_ += estimate(c);
+  place(part.cluster, part.error);
+}
+
+template <class Scene, class W, PatternBounds<typename Scene::Material> B>
+void CutSum<Scene, W, B>::open(const CutPart<S>& part) {
+  if (!(part.bound > S(0))) {
     ++settled_count_;
     return;
   }
-  const std::uint64_t random = mix_bits(key_ ^ ((std::uint64_t{gather} << 32) | light));
   Cluster c{};
-  c.gather = gather;
-  c.light = light;
-  c.scale = luminance(g.strength) * luminance(l.intensity);
-  c.sensor = gather_.representative(gather, to_unit_interval<double>(static_cast<std::uint32_t>(random >> 32)));
+  c.pair = part.pair;
+  const std::uint64_t random = mix_bits(key_ ^ ((std::uint64_t{c.pair.gather} << 32) | c.pair.light));
+  c.sensor = gather_.representative(c.pair.gather, to_unit_interval<double>(static_cast<std::uint32_t>(random >> 32)));
   const auto u = to_unit_interval<double>(static_cast<std::uint32_t>(random));
-  lights_.prefetch_representative(light, u);
-  pending_.push_back({static_cast<std::uint32_t>(clusters_.size()), bound, pair_error(g, l, c.scale, bound), u});
+  lights_.prefetch_representative(c.pair.light, u);
+  pending_.push_back({static_cast<std::uint32_t>(clusters_.size()), part.bound, part.error, u});
   clusters_.push_back(c);
 }
 
@@ -258,7 +252,7 @@ template <class Scene, class W, PatternBounds<typename Scene::Material> B>
 void CutSum<Scene, W, B>::evaluate_pending() {
   for (const Pending& pending : pending_) {
     Cluster& c = clusters_[pending.cluster];
-    c.vpl = lights_.representative(c.light, pending.u);
+    c.vpl = lights_.representative(c.pair.light, pending.u);
     lights_.prefetch_vpl(c.vpl);
   }
   rays_.clear();

@@ -34,14 +34,21 @@ struct GatherNode {
   bool is_leaf = true;
 };
 
-/// Upper bound of the weighted pattern over the cluster for the directions `to_light`.
+/// Upper bound of the weighted pattern over the cluster for directions with cosines of at most `to_normal` with the normals
+/// (or their opposites, if the pattern has both sides) and at most `to_axis` with the lobes.
+template <std::floating_point S>
+[[nodiscard]] inline S sup_sensor_pattern(const GatherNode<S>& node, S to_normal, S to_axis) noexcept {
+  return to_normal > S(0) ? std::min(node.pattern.sup(to_axis, to_normal), node.cap) : S(0);
+}
+
+/// The same for the directions `to_light`.
 template <std::floating_point S>
 [[nodiscard]] inline S sup_sensor_pattern(const GatherNode<S>& node, const BoxDirections<S>& to_light) noexcept {
   S cosine = max_cosine(node.normals, to_light);
   if (node.pattern.has_both_sides) cosine = std::max(cosine, max_cosine(node.normals, -to_light));
   if (!(cosine > S(0))) return S(0);
   const S to_axis = node.pattern.is_flat ? S(1) : max_cosine(node.lobes, to_light);
-  const S bound = std::min(node.pattern.sup(to_axis, cosine), node.cap);
+  const S bound = sup_sensor_pattern(node, cosine, to_axis);
   return node.map == nullptr ? bound : std::min(bound, node.map->sup(to_light.box()));
 }
 

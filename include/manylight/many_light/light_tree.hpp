@@ -61,14 +61,20 @@ template <std::floating_point S, Material M, PatternBounds<M> B>
   return {};
 }
 
-/// Upper bound of min(D, limit) over the cluster for the directions `from_light` (away from the VPLs), a DirectionCone or
-/// BoxDirections.
+/// Upper bound of min(D, limit) over the cluster for directions with cosines of at most `cosine` with the normals, or their
+/// opposites in a two-sided cluster.
+template <std::floating_point S>
+[[nodiscard]] inline S sup_light_pattern_at(const LightNode<S>& node, S cosine, S limit) noexcept {
+  if (node.cos_cutoff > S(-1)) return cosine < node.cos_cutoff ? S(0) : std::min(limit, node.peak);
+  return cosine > S(0) ? std::min(limit, node.peak * cosine) : S(0);
+}
+
+/// The same for the directions `from_light` (away from the VPLs), a DirectionCone or BoxDirections.
 template <std::floating_point S, class Directions>
 [[nodiscard]] inline S sup_light_pattern(const LightNode<S>& node, const Directions& from_light, S limit) noexcept {
   S cosine = max_cosine(node.normals, from_light);
-  if (node.cos_cutoff > S(-1)) return cosine < node.cos_cutoff ? S(0) : std::min(limit, node.peak);
   if (node.is_two_sided) cosine = std::max(cosine, max_cosine(node.normals, -from_light));
-  return cosine > S(0) ? std::min(limit, node.peak * cosine) : S(0);
+  return sup_light_pattern_at(node, cosine, limit);
 }
 
 template <class Scene>
@@ -112,10 +118,6 @@ class LightTree {
       prefetch(&nodes_[id], sizeof(LightNode<S>));
     }
   }
-  void prefetch_children(std::uint32_t id) const noexcept {
-    if (is_leaf(id)) return;
-    for (const std::uint32_t child : nodes_[id].children) prefetch_node(child);
-  }
   void prefetch_vpl(std::uint32_t leaf) const noexcept { prefetch(&vpls_[leaf], sizeof(VertexOf<Scene>)); }
   /// Place of the VPL that `u` in [0, 1) picks to represent node `id`: P = I / I_node, by luminance.
   [[nodiscard]] std::uint32_t representative(std::uint32_t id, double u) const noexcept {
@@ -126,7 +128,11 @@ class LightTree {
   }
   /// The child of inner node `id` that keeps its parent's representative.
   [[nodiscard]] std::uint32_t inheriting_child(std::uint32_t id, std::uint32_t leaf) const noexcept {
-    const auto [first, second] = nodes_[id].children;
+    return inheriting_child(nodes_[id].children, leaf);
+  }
+  [[nodiscard]] std::uint32_t inheriting_child(const std::array<std::uint32_t, 2>& children,
+                                               std::uint32_t leaf) const noexcept {
+    const auto [first, second] = children;
     return leaf < (is_leaf(first) ? (first & ~k_leaf) + 1 : nodes_[first].leaves.end) ? first : second;
   }
 

@@ -26,7 +26,19 @@ struct PairLimits {
   S scene_radius;  ///< unit of lights at infinity, m
 };
 
-/// Bound of w M T D over the pair, sr^-2 m^-2 [theory 6.2, 6.5].
+/// Bound of w M T D over the pair, sr^-2 m^-2 [theory 6.2, 6.5], by the bounds of its factors: `m` of w M and `d` of
+/// min(D, C_D), both positive; `squared`: the squared distance, from below.
+template <std::floating_point S>
+[[nodiscard]] inline S product_bound(const GatherNode<S>& gather, const LightNode<S>& light, S m, S d, S squared,
+                                     const PairLimits<S>& limits) noexcept {
+  const S weighted_d = d < limits.light ? d * gather.remaining : limits.light;
+  if (!(weighted_d > S(0))) return S(0);  // m may be infinite
+  const S bound = squared > S(0) ? m * weighted_d / squared : k_infinity<S>;
+  const S rounding = S(1) + S(64) * std::numeric_limits<S>::epsilon();
+  return light.is_exact ? bound * rounding : std::min(bound * rounding, limits.clamp);
+}
+
+/// Bound of w M T D over the pair, sr^-2 m^-2. Many at once: PairBounds.
 template <std::floating_point S>
 [[nodiscard]] inline S pair_bound(const GatherNode<S>& gather, const LightNode<S>& light,
                                   const PairLimits<S>& limits) noexcept {
@@ -37,11 +49,7 @@ template <std::floating_point S>
   const S d = sup_light_pattern(light, -to_light, limits.light);
   if (!(d > S(0))) return S(0);
   const S squared = light.is_infinite ? sqr(limits.scene_radius) : min_squared_length(vectors);
-  const S weighted_d = d < limits.light ? d * gather.remaining : limits.light;
-  if (!(weighted_d > S(0))) return S(0);  // m may be infinite
-  const S bound = squared > S(0) ? m * weighted_d / squared : k_infinity<S>;
-  const S rounding = S(1) + S(64) * std::numeric_limits<S>::epsilon();
-  return light.is_exact ? bound * rounding : std::min(bound * rounding, limits.clamp);
+  return product_bound(gather, light, m, d, squared, limits);
 }
 
 /// Bound of |estimate - truth| of the pair, luminance; 0 for a pair of leaves. `scale`: Y(S_C) Y(I_L); `bound`: UB.
@@ -52,8 +60,8 @@ template <std::floating_point S>
   return std::max(luminance(gather.strength * light.intensity), of_estimate) * bound;
 }
 
-/// Which side of two inner nodes to split: the one whose size, or spread of normals seen from the other side's distance, is larger
-/// [theory 5.4].
+/// Which side of two inner nodes to split: the one whose size, or spread of normals seen from the other side's distance,
+/// is larger [theory 5.4].
 template <std::floating_point S>
 [[nodiscard]] inline bool splits_gather(const GatherNode<S>& gather, const LightNode<S>& light) noexcept {
   if (light.is_infinite) return S(2) * spread(gather.normals) > light.box.diagonal();
