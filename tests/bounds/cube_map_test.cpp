@@ -82,7 +82,8 @@ Pattern<M> random_pattern(CubeMaps<typename M::Scalar>& test, const M& material)
   return p;
 }
 
-// Planted bugs seen to fail: PLANTED
+// Planted bugs seen to fail: the merged maximum taken from one map; a quotient by the wrong end of the range along the
+// axis; groups collapsed to 0.9 of their maximum; cells enclosed by cones of half the width.
 TYPED_TEST(CubeMaps, HoldForAllVectorsOfABox) {
   using S = TypeParam;
   int positive = 0;

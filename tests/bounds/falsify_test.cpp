@@ -27,6 +27,7 @@ struct Lowered {
   }
 };
 
+// Planted bug seen to fail: no ascents.
 TEST(Falsify, FindsTheMaximumOfAKnownPattern) {
   // cos(angle to a direction inside the cone)^50: maximum 1 there, which samples alone miss by some percent.
   const Vec3<double> peak = glm::normalize(Vec3<double>(0.3, 0.1, 1));
