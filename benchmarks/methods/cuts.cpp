@@ -69,8 +69,8 @@ std::vector<Window> stratified_windows(std::uint32_t width, std::uint32_t height
   return windows;
 }
 
-/// The kinds of bounds as one type, so that cuts are instantiated once. `sampled`: the largest of 64 values, no bound
-/// but what a perfect one would come near to.
+/// The kinds of bounds as one type, so that cuts are instantiated once. `sampled`: the largest value that a search
+/// finds, no bound but what a perfect one would come near to.
 struct AnyBounds {
   std::string kind;
   CubeMapLimits limits{};
@@ -80,20 +80,20 @@ struct AnyBounds {
   [[nodiscard]] PatternSup<float> sup(const M& m, const Wi& wi, const Wo& wo) const noexcept {
     if (kind == "analytic") return AnalyticBounds{}.sup(m, wi, wo);
     if (kind != "sampled") return AutomaticBounds{}.sup(m, wi, wo);
-    IndependentStream<float> stream(0, Stage::test, 0, 0);
-    PatternSup<float> most;
-    for (int i = 0; i < 64; ++i) {
-      const Vec3<float> a = member(wi, stream);
-      const float f = max_channel(m.eval(a, member(wo, stream)));
-      most = {std::max(most.eval, f), std::max(most.eval_cos, f * std::abs(a.z))};
+    FalsifySearch search;
+    search.samples = 64;
+    search.ascents = 4;
+    const auto largest = [&](const DirectionSet<float>& set, const auto& value) {
+      const auto inside = [&](const Vec3<float>& w) { return set.z.contains(w.z) ? value(w) : 0.0F; };
+      return falsify(set, k_infinity<float>, inside, search).value;
+    };
+    if constexpr (std::is_same_v<Wi, Vec3<float>>) {
+      const float f = largest(wo, [&](const Vec3<float>& w) { return max_channel(m.eval(wi, w)); });
+      return {f, f * std::abs(wi.z)};
+    } else {
+      return {largest(wi, [&](const Vec3<float>& w) { return max_channel(m.eval(w, wo)); }),
+              largest(wi, [&](const Vec3<float>& w) { return max_channel(m.eval(w, wo)) * std::abs(w.z); })};
     }
-    return most;
-  }
-
- private:
-  static Vec3<float> member(const Vec3<float>& w, IndependentStream<float>&) noexcept { return w; }
-  static Vec3<float> member(const DirectionSet<float>& set, IndependentStream<float>& stream) noexcept {
-    return detail::random_member(set, stream);
   }
 };
 
