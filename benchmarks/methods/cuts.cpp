@@ -83,16 +83,18 @@ struct AnyBounds {
     FalsifySearch search;
     search.samples = 64;
     search.ascents = 4;
-    const auto largest = [&](const DirectionSet<float>& set, const auto& value) {
+    // Random directions alone would miss the peak of a sharp lobe in a wide set.
+    const auto largest = [&](const DirectionSet<float>& set, const Vec3<float>& known, const auto& value) {
       const auto inside = [&](const Vec3<float>& w) { return set.z.contains(w.z) ? value(w) : 0.0F; };
-      return falsify(set, k_infinity<float>, inside, search).value;
+      const float found = falsify(set, k_infinity<float>, inside, search).value;
+      return detail::is_member(set, mirror(known)) ? std::max(found, inside(mirror(known))) : found;
     };
     if constexpr (std::is_same_v<Wi, Vec3<float>>) {
-      const float f = largest(wo, [&](const Vec3<float>& w) { return max_channel(m.eval(wi, w)); });
+      const float f = largest(wo, wi, [&](const Vec3<float>& w) { return max_channel(m.eval(wi, w)); });
       return {f, f * std::abs(wi.z)};
     } else {
-      return {largest(wi, [&](const Vec3<float>& w) { return max_channel(m.eval(w, wo)); }),
-              largest(wi, [&](const Vec3<float>& w) { return max_channel(m.eval(w, wo)) * std::abs(w.z); })};
+      return {largest(wi, wo, [&](const Vec3<float>& w) { return max_channel(m.eval(w, wo)); }),
+              largest(wi, wo, [&](const Vec3<float>& w) { return max_channel(m.eval(w, wo)) * std::abs(w.z); })};
     }
   }
 };
