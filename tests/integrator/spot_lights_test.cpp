@@ -68,7 +68,8 @@ TEST(SpotLightMethods, DirectLightIsExact) {
     for (std::size_t i = 0; i < film.pixels.size(); ++i) {
       const S exact = expected(spots, camera.targets[i]);
       // acos of the oracle loses half the digits next to the axis: 1e-8 of an angle, over the narrowest penumbra, 0.1.
-      EXPECT_NEAR(film.pixels[i].x, exact, 1e-6 * exact + 1e-14) << name(method) << " pixel " << i;
+      EXPECT_NEAR(film.pixels[i].x, exact, 1e-6 * exact + 1e-14)  // of offset shadow rays
+          << name(method) << " pixel " << i;
     }
     EXPECT_EQ(film.pixels.back().x, 0) << name(method);
   }
@@ -83,7 +84,8 @@ TEST(SpotLightMethods, DirectLightIsExact) {
   const double limit = student_limit(sidak_level(1e-4, static_cast<double>(moments.size())), 15);
   for (std::size_t i = 0; i < moments.size(); ++i) {
     const S exact = expected(spots, camera.targets[i]);
-    EXPECT_NEAR(moments[i].mean(), exact, limit * moments[i].standard_error() + 1e-6 * exact) << "pixel " << i;
+    EXPECT_NEAR(moments[i].mean(), exact, limit * moments[i].standard_error() + 1e-6 * exact)  // as above
+        << "pixel " << i;
   }
   EXPECT_EQ(moments.back().mean(), 0);
 }

@@ -92,7 +92,7 @@ TEST(RoughDielectric, JacobianOfTheMapIsTheInverseDensity) {
       const double share = (reflects ? r * tint_r : (1 - r) * tint_t) / (r * tint_r + (1 - r) * tint_t);
       ++(reflects ? reflected : refracted);
       // Truncation h^2 = 1e-10 times the map's curvature, at most 1e4 near the fold; cancellation 1e-11.
-      EXPECT_NEAR(glass.pdf(known, *w, Walk::eye) / (share * *expected), 1.0, 1e-4) << name;
+      EXPECT_NEAR(glass.pdf(known, *w, Walk::eye) / (share * *expected), 1.0, 1e-4) << name;  // of the differences' step
     }
   });
   EXPECT_GT(reflected, 200);
@@ -148,7 +148,7 @@ TEST(RoughDielectric, IsReciprocalUpToTheIndices) {
       const double back = glass.eval(b, a).x / index2(a);
       through += a.z * b.z < 0 && there > 0 ? 1 : 0;
       // Fresnel's root at the critical angle turns an ulp into 1e-8; exponents amplify it by their size, 700.
-      EXPECT_NEAR(there, back, 1e-7 * there + 1e-290) << name;
+      EXPECT_NEAR(there, back, 1e-7 * there + 1e-290) << name;  // sharp lobes amplify rounding; underflow
     }
     EXPECT_GT(through, 100) << name;
   });

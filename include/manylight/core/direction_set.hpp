@@ -90,7 +90,14 @@ struct DirectionSet {
     return half;
   }
 
-  [[nodiscard]] DirectionSet operator-() const noexcept { return DirectionSet(-cone, cos_inner, sin_inner); }
+  [[nodiscard]] DirectionSet operator-() const noexcept {
+    DirectionSet opposite = *this;
+    opposite.cone.axis = -cone.axis;
+    opposite.x = -x;
+    opposite.y = -y;
+    opposite.z = -z;
+    return opposite;
+  }
 
   [[nodiscard]] detail::Turn<S> inner() const noexcept { return {cos_inner, sin_inner}; }
   [[nodiscard]] detail::Turn<S> outer() const noexcept { return {cone.cos_half, cone.sin_half}; }
@@ -146,7 +153,11 @@ template <std::floating_point S>
 }
 template <std::floating_point S>
 [[nodiscard]] inline DirectionSet<S> mirror(const DirectionSet<S>& w) noexcept {
-  return DirectionSet<S>({mirror(w.cone.axis), w.cone.cos_half, w.cone.sin_half}, w.cos_inner, w.sin_inner);
+  DirectionSet<S> image = w;  // keeps what is known of z
+  image.cone.axis = mirror(w.cone.axis);
+  image.x = -w.x;
+  image.y = -w.y;
+  return image;
 }
 
 /// The mirror image about the unit vector `m`. (glm::reflect has the opposite sign.)
