@@ -191,7 +191,8 @@ TYPED_TEST(Boxes, DistanceAndDirectionsHoldForSampledPairs) {
     from_pack.set(lane, from);
     to_pack.set(lane, to);
     const S of_lane = min_squared_length(difference(from_pack, to_pack))[lane];
-    ASSERT_NEAR(static_cast<double>(of_lane), static_cast<double>(squared), 1e-6 * static_cast<double>(squared));
+    ASSERT_NEAR(static_cast<double>(of_lane), static_cast<double>(squared),
+                1e-6 * static_cast<double>(squared));  // rounding in float
     const DirectionCone<S> cone = directions(vectors);
     narrow += cone.is_full() ? 0 : 1;
     for (int k = 0; k < 60; ++k) {
