@@ -87,7 +87,7 @@ TEST(BentNormal, GradientIsThatOfTheTexture) {
       const S du = (texture.eval(uv + Vec2<S>(h, 0)).x - texture.eval(uv - Vec2<S>(h, 0)).x) / (2 * h);
       const S dv = (texture.eval(uv + Vec2<S>(0, h)).x - texture.eval(uv - Vec2<S>(0, h)).x) / (2 * h);
       EXPECT_NEAR(texture.gradient(uv).x, du, 1e-8);  // rounding over h; the term s t bends by h^2
-      EXPECT_NEAR(texture.gradient(uv).y, dv, 1e-8);
+      EXPECT_NEAR(texture.gradient(uv).y, dv, 1e-8);  // the same
     }
   }
   EXPECT_EQ(Texture<S>::bitmap(texels, TextureFilter::nearest).gradient({0.3, 0.4}), Vec2<S>(0));

@@ -28,7 +28,7 @@ TEST(SpotLights, FallOffLinearlyInTheAngle) {
   EXPECT_EQ(at(0), 1);
   EXPECT_EQ(at(0.199), 1);
   EXPECT_NEAR(at(0.35), 0.5, 1e-14);  // some ulp
-  EXPECT_NEAR(at(0.49), 0.1 / 3, 1e-14);
+  EXPECT_NEAR(at(0.49), 0.1 / 3, 1e-14);  // the same
   EXPECT_EQ(at(0.501), 0);
   EXPECT_EQ(at(3), 0);
   EXPECT_EQ(spot_falloff(axis, axis, 0.2, 0.2), 1);  // a hard edge
@@ -46,13 +46,13 @@ TEST(SpotLights, FluxIsTheIntegralOfTheFalloff) {
       const double part = angle <= beam ? 1 : (cutoff - angle) / (cutoff - beam);
       sum += 2 * k_pi_d * part * std::sin(angle) * cutoff / k_steps;
     }
-    EXPECT_NEAR(spot(cutoff, beam).effective_solid_angle() / sum, 1, 1e-8) << cutoff;
+    EXPECT_NEAR(spot(cutoff, beam).effective_solid_angle() / sum, 1, 1e-8) << cutoff;  // of the midpoint rule
     const auto single = PointEmitter<float>{
         Vec3<float>(0), Rgb<float>(1), {0, 0, 1}, static_cast<float>(cutoff), static_cast<float>(beam)};
     EXPECT_NEAR(double(single.effective_solid_angle()) / sum, 1, 2e-6) << cutoff;  // float, and its rounded angles
   }
-  EXPECT_NEAR(spot(0.4, 0.4).effective_solid_angle(), 2 * k_pi_d * (1 - std::cos(0.4)), 1e-14);
-  EXPECT_NEAR(PointEmitter<double>{}.effective_solid_angle(), 4 * k_pi_d, 1e-14);
+  EXPECT_NEAR(spot(0.4, 0.4).effective_solid_angle(), 2 * k_pi_d * (1 - std::cos(0.4)), 1e-14);  // some ulp
+  EXPECT_NEAR(PointEmitter<double>{}.effective_solid_angle(), 4 * k_pi_d, 1e-14);  // the same
 }
 
 // Light paths carry the flux in the mean (z-test, false-alarm rate 1e-4) and leave within the cone with the density
@@ -71,7 +71,7 @@ TEST(SpotLights, EmissionCarriesTheFlux) {
       const auto s = lights.sample_emission(select, position, stream.next_2d());
       ASSERT_TRUE(s.has_value());
       ASSERT_LE(std::acos(std::min(1.0, -s->wo.z)), cutoff * (1 + 1e-5));
-      ASSERT_NEAR(s->pdf_direction * 2 * k_pi_d * 2 * sqr(std::sin(cutoff / 2)), 1, 1e-12);
+      ASSERT_NEAR(s->pdf_direction * 2 * k_pi_d * 2 * sqr(std::sin(cutoff / 2)), 1, 1e-12);  // some ulp
       ASSERT_NEAR(s->beta.y, s->radiance.y / (s->pdf_position * s->pdf_direction), 1e-12 * s->intensity.y);
       moments.add(s->beta.y);
     }

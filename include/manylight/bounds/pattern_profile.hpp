@@ -2,7 +2,7 @@
 #pragma once
 
 // What a cluster of sensors knows of its materials: bounds over rings around the mirror direction, a few numbers that
-// merge by their maxima. Eight bounds per sensor are all that is computed; a cube-map would take some hundred.
+// merge by their maxima. They take about ten bounds per sensor; a cube-map would take some hundred.
 
 #include <algorithm>
 #include <array>

@@ -12,7 +12,7 @@ namespace manylight {
 
 /// Bounds by `B`, and cube-maps of them for the clusters of a gather tree. Tighter than profiles for lobes that are not
 /// round and for clusters of different materials, and dearer: some hundred bounds of the material per sensor instead of
-/// eight.
+/// ten.
 template <class B = AutomaticBounds>
 struct CubeMapBounds {
   B base{};
