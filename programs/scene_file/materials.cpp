@@ -158,7 +158,9 @@ MaterialDescription parse_relief(Context& context, Properties& p, Relief relief)
   m.relief = relief;
   m.relief_map = parse_texture(context, *textures.front()->element, SpectrumRole::parameter);
   if (relief == Relief::heights) m.relief_scale = static_cast<float>(p.number("scale", 1.0));
-  p.ignore({"flip_invalid_normals", "use_shadowing_function"});
+  for (const char* name : {"flip_invalid_normals", "use_shadowing_function"}) {
+    if (p.flag(name, false)) fail(p.element(), std::string(name) + " is not supported, allowed: false");
+  }
   return m;
 }
 

@@ -5,10 +5,7 @@
 
 #include <cmath>
 
-#include "integrator/builders.hpp"
-#include "manylight/scattering/any_of.hpp"
-#include "manylight/scattering/conductor.hpp"
-#include "manylight/scattering/lambertian.hpp"
+#include "integrator/same_lights.hpp"
 
 // Every integrator on every backend against scenes with closed solutions. Clamps are off unless a test is about them,
 // so that each method's expectation is the exact radiance; the slack of 2e-5 in float, 1e-10 in double covers rounding.
@@ -127,18 +124,16 @@ TYPED_TEST_P(AnalyticSuite, ClampScalesTheReflectedPartOfTheCavity) {
   builder.point_light(Vec3<S>(0), k_pi<S>);
   const auto scene = builder.build();
   const auto camera = this->cavity_probes();
-  const auto filter = ReconstructionFilter<S>::box();
   const double pair = 1 / (4 * sqr(k_pi<double>));
   for (const double scale : {0.25, 0.5, 1.0, 2.0}) {
     Settings settings;
     settings.adaptation = 1;
-    ManyLightConfig config = many_light_config(settings);
-    const IndependentSampler<S> sampler{7};
-    auto lights = prepare_lights(scene, camera, filter, config, sampler, SerialExecutor{});
-    lights.weights.c_clamp = static_cast<S>(scale * pair);
-    const auto film = render_instant_radiosity(scene, camera, filter, config, lights, sampler, SerialExecutor{});
+    settings.seed = 7;
+    SameLights lights(scene, camera, settings);
+    lights.side.weights.c_clamp = static_cast<S>(scale * pair);
+    const auto film = lights.all_pairs();
     double intensity = 0;
-    for (const auto& v : lights.lights.vpls) intensity += v.exact ? 0.0 : static_cast<double>(v.strength.x);
+    for (const auto& v : lights.side.lights.vpls) intensity += v.exact ? 0.0 : static_cast<double>(v.strength.x);
     const double expected = 0.5 + std::min(1.0, scale) * pair * intensity * 0.5;
     EXPECT_NEAR(static_cast<double>(film.image.pixels[0].x), expected, 20 * this->k_rounding)  // 1000 roundings
         << "scale " << scale;
@@ -369,7 +364,7 @@ TYPED_TEST_P(AnalyticSuite, PlaneUnderAnHdrEnvironment) {
 /// a diffuse surface over mirrors only is out of reach of virtual point lights: there the direct part 0.5 / pi remains.
 TYPED_TEST_P(AnalyticSuite, MirrorCorridor) {
   using S = typename TypeParam::Scalar;
-  using M = AnyOf<Lambertian<S>, Mirror<S>>;
+  using M = SmoothMaterial<S>;
   SceneBuilder<TypeParam, M> builder;
   builder.mesh(parallelogram<S>(Vec3<S>(1, 0, 0), Vec3<S>(1, 0, 0), Vec3<S>(0, 200, 0)), M(this->diffuse(S(0.5))));
   builder.mesh(parallelogram<S>(Vec3<S>(0, 0, 100), Vec3<S>(0, 200, 0), Vec3<S>(0, 0, 100)),
@@ -393,7 +388,7 @@ TYPED_TEST_P(AnalyticSuite, MirrorCorridor) {
 /// m + 1 segments and must be gone when paths are shorter.
 TYPED_TEST_P(AnalyticSuite, EmitterSeenThroughAChainOfMirrors) {
   using S = typename TypeParam::Scalar;
-  using M = AnyOf<Lambertian<S>, Mirror<S>>;
+  using M = SmoothMaterial<S>;
   SceneBuilder<TypeParam, M> builder;
   const M mirror(Mirror<S>{Rgb<S>(S(0.9))});
   builder.mesh(parallelogram<S>(Vec3<S>(0, 0, 0), Vec3<S>(0, 5, 0), Vec3<S>(0, 0, 5)), mirror);
@@ -420,7 +415,7 @@ TYPED_TEST_P(AnalyticSuite, EmitterSeenThroughAChainOfMirrors) {
 /// Oracle O-34: a mirror of reflectance 1 in front of the camera shows the mirrored scene.
 TYPED_TEST_P(AnalyticSuite, MirrorBeforeTheCameraShowsTheMirroredScene) {
   using S = typename TypeParam::Scalar;
-  using M = AnyOf<Lambertian<S>, Mirror<S>>;
+  using M = SmoothMaterial<S>;
   // A corner of two walls and a point light at x > 1, the mirror in the plane x = 0 right before the camera.
   SceneBuilder<TypeParam, M> plain;
   plain.mesh(parallelogram<S>(Vec3<S>(3, 0, 0), Vec3<S>(2, 0, 0), Vec3<S>(0, 2, 0)), M(this->diffuse(S(0.7))));

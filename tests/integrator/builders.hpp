@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <limits>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "manylight/geometry/mesh_builders.hpp"
@@ -139,6 +140,28 @@ struct AreaProbe {
 };
 static_assert(Camera<AreaProbe<float>>);
 
+/// One of the cameras of these tests, which must outlive it.
+template <std::floating_point S>
+class AnyCamera {
+ public:
+  using Scalar = S;
+  template <Camera C>
+  AnyCamera(const C& camera) : camera_(&camera) {}
+
+  [[nodiscard]] Ray<S> ray(const Vec2<S>& film, const Vec2<S>& lens) const noexcept {
+    return std::visit([&](const auto* c) { return c->ray(film, lens); }, camera_);
+  }
+  [[nodiscard]] std::uint32_t width() const noexcept {
+    return std::visit([](const auto* c) { return c->width(); }, camera_);
+  }
+  [[nodiscard]] std::uint32_t height() const noexcept {
+    return std::visit([](const auto* c) { return c->height(); }, camera_);
+  }
+
+ private:
+  std::variant<const PerspectiveCamera<S>*, const ProbeCamera<S>*, const AreaProbe<S>*> camera_;
+};
+
 template <std::floating_point S>
 [[nodiscard]] PerspectiveCamera<S> look_at(const Vec3<S>& eye, const Vec3<S>& target, S fov, std::uint32_t side) {
   const Vec3<S> z = glm::normalize(target - eye);
@@ -198,22 +221,29 @@ struct Film {
 }
 
 template <class SceneType, Camera C, Executor Exec = SerialExecutor>
-[[nodiscard]] Film render(Method method, const SceneType& scene, const C& camera, const Settings& settings,
-                          const Exec& executor = {}) {
+[[nodiscard]] Film render_paths(const SceneType& scene, const C& camera, const Settings& settings,
+                                const Exec& executor = {}) {
+  using S = typename SceneType::Scalar;
+  const PathIntegrator<SceneType> integrator(scene, PathConfig{settings.max_edges});
+  Film film;
+  film.pixels.assign(std::size_t{camera.width()} * camera.height(), Rgb<double>(0));
+  film.invalid = accumulate_path_samples(integrator, camera, ReconstructionFilter<S>::box(), Window::of(camera),
+                                         IndependentSampler<S>{settings.seed}, 0, settings.samples, film.pixels,
+                                         executor)
+                     .invalid;
+  for (Rgb<double>& p : film.pixels) p /= settings.samples;
+  return film;
+}
+
+template <class SceneType, Executor Exec = SerialExecutor>
+[[nodiscard]] Film render(Method method, const SceneType& scene,
+                                  const AnyCamera<typename SceneType::Scalar>& camera, const Settings& settings,
+                                  const Exec& executor = {}) {
+  if (method == Method::path) return render_paths(scene, camera, settings, executor);
   using S = typename SceneType::Scalar;
   const auto filter = ReconstructionFilter<S>::box();
   const IndependentSampler<S> sampler{settings.seed};
   Film film;
-  if (method == Method::path) {
-    const PathIntegrator<SceneType> integrator(scene, PathConfig{settings.max_edges});
-    film.pixels.assign(std::size_t{camera.width()} * camera.height(), Rgb<double>(0));
-    film.invalid =
-        accumulate_path_samples(integrator, camera, filter, Window::of(camera), sampler, 0, settings.samples,
-                                film.pixels, executor)
-            .invalid;
-    for (Rgb<double>& p : film.pixels) p /= settings.samples;
-    return film;
-  }
   const ManyLightConfig config = many_light_config(settings);
   const auto lights = prepare_lights(scene, camera, filter, config, sampler, executor);
   ManyLightImage<S> result;

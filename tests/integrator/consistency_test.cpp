@@ -5,6 +5,7 @@
 #include <cmath>
 #include <memory>
 
+#include "integrator/common_scenes.hpp"
 #include "integrator/room.hpp"
 #include "manylight/path/four_constraints.hpp"
 #include "manylight/scattering/any_of.hpp"

@@ -67,7 +67,7 @@ template <class SceneType, Camera C>
   RunningMoments moments;
   for (unsigned run = 0; run < runs; ++run) {
     ++settings.seed;
-    moments.add(render(Method::path, scene, camera, settings).mean().x);
+    moments.add(render_paths(scene, camera, settings).mean().x);
   }
   return moments;
 }

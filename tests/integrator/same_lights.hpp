@@ -7,62 +7,74 @@
 #include <string>
 #include <vector>
 
-#include "integrator/builders.hpp"
-#include "manylight/geometry/bvh.hpp"
-#include "manylight/scattering/lambertian.hpp"
+#include "integrator/common_scenes.hpp"
 
 // Every many-light method over one and the same set of VPLs, with the same sensors wherever the weighting is the same:
 // what is left between a cut and the sum over all pairs is the cut's own error.
 
 namespace manylight::test {
 
-template <class SceneType, Camera C>
+template <class SceneType>
 class SameLights {
  public:
   using S = typename SceneType::Scalar;
   using Result = ManyLightImage<S>;
 
-  SameLights(const SceneType& scene_, const C& camera_, const Settings& settings)
-      : config(many_light_config(settings)),
-        scene(scene_),
-        camera(camera_),
-        sampler{settings.seed},
-        side(prepare_lights(scene, camera, filter, config, sampler, SerialExecutor{})) {}
+  /// Scene and camera must outlive it.
+  SameLights(const SceneType& scene, const AnyCamera<S>& camera, const Settings& settings);
 
   /// Free to be changed between renderings.
   ManyLightConfig config;
 
-  [[nodiscard]] Result all_pairs() const {
-    return render_instant_radiosity(scene, camera, filter, config, side, sampler, SerialExecutor{});
-  }
-  [[nodiscard]] Result lightcuts() const {
-    const LightTree<SceneType> tree(side.lights.vpls, SerialExecutor{});
-    return render_lightcuts(scene, camera, filter, config, side, tree, sampler, SerialExecutor{});
-  }
+  [[nodiscard]] Result all_pairs() const;
+  [[nodiscard]] Result lightcuts() const;
   /// All pairs of the recursive sensors.
-  [[nodiscard]] Result all_recursive_pairs() const {
-    const FourConstraints<S> weighting(side.weights);
-    return render_all_pairs(scene, camera, filter, config, weighting, side, sampler, SerialExecutor{});
-  }
-  [[nodiscard]] Result bdlc() const {
-    const LightTree<SceneType> tree(side.lights.vpls, SerialExecutor{});
-    return render_bidirectional_lightcuts(scene, camera, filter, config, side, tree, sampler, SerialExecutor{});
-  }
+  [[nodiscard]] Result all_recursive_pairs() const;
+  [[nodiscard]] Result bdlc() const;
   [[nodiscard]] Result brute(Method method) const {
     return method == Method::bdlc ? all_recursive_pairs() : all_pairs();
   }
   [[nodiscard]] Result cut(Method method) const { return method == Method::bdlc ? bdlc() : lightcuts(); }
 
  private:
-  const SceneType& scene;
-  const C& camera;
-  ReconstructionFilter<S> filter = ReconstructionFilter<S>::box();
-  IndependentSampler<S> sampler;
+  const SceneType& scene_;
+  AnyCamera<S> camera_;
+  ReconstructionFilter<S> filter_ = ReconstructionFilter<S>::box();
+  IndependentSampler<S> sampler_;
 
  public:
   /// The VPLs and the constants of their weights; free to be changed between renderings.
   LightSide<SceneType> side;
 };
+
+template <class SceneType>
+SameLights<SceneType>::SameLights(const SceneType& scene, const AnyCamera<S>& camera, const Settings& settings)
+    : config(many_light_config(settings)),
+      scene_(scene),
+      camera_(camera),
+      sampler_{settings.seed},
+      side(prepare_lights(scene, camera, filter_, config, sampler_, SerialExecutor{})) {}
+template <class SceneType>
+auto SameLights<SceneType>::all_pairs() const -> Result {
+  return render_instant_radiosity(scene_, camera_, filter_, config, side, sampler_, SerialExecutor{});
+}
+template <class SceneType>
+auto SameLights<SceneType>::lightcuts() const -> Result {
+  const LightTree<SceneType> tree(side.lights.vpls, SerialExecutor{});
+  return render_lightcuts(scene_, camera_, filter_, config, side, tree, sampler_, SerialExecutor{});
+}
+template <class SceneType>
+auto SameLights<SceneType>::all_recursive_pairs() const -> Result {
+  const FourConstraints<S> weighting(side.weights);
+  return render_all_pairs(scene_, camera_, filter_, config, weighting, side, sampler_, SerialExecutor{});
+}
+template <class SceneType>
+auto SameLights<SceneType>::bdlc() const -> Result {
+  const LightTree<SceneType> tree(side.lights.vpls, SerialExecutor{});
+  return render_bidirectional_lightcuts(scene_, camera_, filter_, config, side, tree, sampler_, SerialExecutor{});
+}
+extern template class SameLights<DiffuseScene<Bvh<float>>>;
+extern template class SameLights<DiffuseScene<Bvh<double>>>;
 
 /// The two methods made of cuts; `SameLights::brute` has the sum that each of them approximates.
 inline constexpr std::array<Method, 2> k_cut_methods{Method::lightcuts, Method::bdlc};

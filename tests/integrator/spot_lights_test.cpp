@@ -78,7 +78,7 @@ TEST(SpotLightMethods, DirectLightIsExact) {
   for (std::uint64_t run = 0; run < 16; ++run) {
     settings.seed = run;
     settings.samples = 1000;
-    const Film one = render(Method::path, scene, camera, settings);
+    const Film one = render_paths(scene, camera, settings);
     for (std::size_t i = 0; i < moments.size(); ++i) moments[i].add(one.pixels[i].x);
   }
   const double limit = student_limit(sidak_level(1e-4, static_cast<double>(moments.size())), 15);

@@ -5,11 +5,7 @@
 
 #include <cmath>
 
-#include "integrator/builders.hpp"
-#include "manylight/scattering/any_of.hpp"
-#include "manylight/scattering/conductor.hpp"
-#include "manylight/scattering/dielectric.hpp"
-#include "manylight/scattering/lambertian.hpp"
+#include "integrator/same_lights.hpp"
 
 // Scenes in which many-light renderers are known to fail: scale, distance from the origin, leaks, empty scenes,
 // degenerate geometry. Every integrator on every backend.
@@ -185,7 +181,7 @@ TYPED_TEST_P(StabilitySuite, ThinWallDoesNotLeak) {
 /// What remains of them is pinned: exactly nothing here, since the floor sees no other surface.
 TYPED_TEST_P(StabilitySuite, LightInsideAGlassBox) {
   using S = typename TypeParam::Scalar;
-  using M = AnyOf<Lambertian<S>, Dielectric<S>>;
+  using M = SmoothMaterial<S>;
   SceneBuilder<TypeParam, M> builder;
   builder.mesh(parallelogram<S>(Vec3<S>(0), this->vec(5, 0, 0), this->vec(0, 5, 0)), M(this->diffuse(0.5)));
   builder.mesh(box_mesh<S>(this->vec(-0.6, -0.6, 0.4), this->vec(0.6, 0.6, 1.6)), M(Dielectric<S>{S(1.5)}), false);
@@ -206,7 +202,7 @@ TYPED_TEST_P(StabilitySuite, LightInsideAGlassBox) {
 /// there.
 TYPED_TEST_P(StabilitySuite, SunThroughAPane) {
   using S = typename TypeParam::Scalar;
-  using M = AnyOf<Lambertian<S>, Dielectric<S>>;
+  using M = SmoothMaterial<S>;
   const auto build = [&](bool pane) {
     SceneBuilder<TypeParam, M> builder;
     builder.mesh(parallelogram<S>(Vec3<S>(0), this->vec(1, 0, 0), this->vec(0, 1, 0)), M(this->diffuse(0.5)));
@@ -263,7 +259,7 @@ TYPED_TEST_P(StabilitySuite, NoneToThreeLights) {
 /// Stability case 24: a single triangle, a view of nothing, nothing but mirrors.
 TYPED_TEST_P(StabilitySuite, SmallestScenes) {
   using S = typename TypeParam::Scalar;
-  using M = AnyOf<Lambertian<S>, Mirror<S>>;
+  using M = SmoothMaterial<S>;
   TriangleMesh<S> triangle;
   triangle.positions = {this->vec(-1, -1, 0), this->vec(1, -1, 0), this->vec(0, 1, 0)};
   triangle.triangles = {{0, 1, 2}};
@@ -354,13 +350,11 @@ TYPED_TEST_P(StabilitySuite, LightsOnTheShadingPoint) {
   using SceneType = std::remove_cv_t<decltype(scene)>;
   ProbeCamera<S> camera;
   camera.add(Vec3<S>(0), this->vec(0, 0, 1));
-  const auto filter = ReconstructionFilter<S>::box();
-  const IndependentSampler<S> sampler{1};
   for (const double clamp_scale : {1.0 / 800, std::numeric_limits<double>::infinity()}) {
     Settings settings;
     settings.clamp_scale = clamp_scale;
-    const ManyLightConfig config = many_light_config(settings);
-    LightSide<SceneType> side = prepare_lights(scene, camera, filter, config, sampler, SerialExecutor{});
+    SameLights lights(scene, camera, settings);
+    LightSide<SceneType>& side = lights.side;
     side.lights.vpls.resize(1);  // the point light itself
     ASSERT_TRUE(side.lights.vpls[0].exact);
     if (clamp_scale < 1) side.weights.c_clamp = S(1);
@@ -380,11 +374,7 @@ TYPED_TEST_P(StabilitySuite, LightsOnTheShadingPoint) {
         side.lights.vpls.push_back(light);
       }
     }
-    const LightTree<SceneType> tree(side.lights.vpls, SerialExecutor{});
-    const ManyLightImage<S> images[] = {
-        render_instant_radiosity(scene, camera, filter, config, side, sampler, SerialExecutor{}),
-        render_lightcuts(scene, camera, filter, config, side, tree, sampler, SerialExecutor{}),
-        render_bidirectional_lightcuts(scene, camera, filter, config, side, tree, sampler, SerialExecutor{})};
+    const ManyLightImage<S> images[] = {lights.all_pairs(), lights.lightcuts(), lights.bdlc()};
     for (const ManyLightImage<S>& image : images) {
       EXPECT_TRUE(is_valid_radiance(image.image.pixels[0])) << image.image.pixels[0].x;
       EXPECT_GE(static_cast<double>(image.image.pixels[0].x), 0.159) << "0.5 / pi of the light 1 m above";

@@ -78,7 +78,7 @@ TEST(Ledger, WardBallPixelByPixel) {
     settings.seed = 500 + run;
     settings.samples = k_path_samples;
     luminances.clear();
-    for (const Rgb<double>& p : render(Method::path, scene, camera, settings).pixels)
+    for (const Rgb<double>& p : render_paths(scene, camera, settings).pixels)
       luminances.push_back(luminance(p));
     add(path, luminances);
   }

@@ -213,6 +213,10 @@ INSTANTIATE_TEST_SUITE_P(
                 "exactly one nested <texture>"},
         BadCase{"BumpOfBump", floor_scene("", relief("bumpmap", relief("normalmap", "<bsdf type=\"diffuse\"/>"))),
                 "inside another"},
+        BadCase{"BumpMirrorsNormals",
+                floor_scene("", relief("bumpmap", "<bsdf type=\"diffuse\"/><boolean name=\"flip_invalid_normals\" "
+                                                  "value=\"true\"/>")),
+                "flip_invalid_normals is not supported"},
         BadCase{"NoCamera", without(floor_scene(), "<sensor", "</sensor>"), "no camera"},
         BadCase{"NoEmitter", without(floor_scene(), "<emitter", "</emitter>"), "no emitters"},
         BadCase{"NoShapes", without(floor_scene(), "<shape", "</shape>"), "no shapes"},
