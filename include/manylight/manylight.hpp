@@ -73,6 +73,7 @@
 #include "manylight/bounds/box_pair_pack.hpp"
 #include "manylight/bounds/cube_map.hpp"
 #include "manylight/bounds/falsify.hpp"
+#include "manylight/bounds/falsify_phase.hpp"
 #include "manylight/bounds/pattern_profile.hpp"
 #include "manylight/bounds/sensor_map.hpp"
 #include "manylight/scene/bent_normal.hpp"
