@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Upper bounds in closed form for the materials that have one [theory 6.4]: what AutomaticBounds is measured against.
+// Upper bounds in closed form for the materials and phase functions that have one [theory 6.4]: what AutomaticBounds is
+// measured against.
 
 #include <algorithm>
 #include <cmath>
 
 #include "manylight/bounds/automatic.hpp"
+#include "manylight/scattering/gaussian_fiber.hpp"
+#include "manylight/scattering/henyey_greenstein.hpp"
+#include "manylight/scattering/isotropic_phase.hpp"
 #include "manylight/scattering/lambertian.hpp"
 #include "manylight/scattering/phong.hpp"
 #include "manylight/scattering/ward.hpp"
@@ -24,7 +28,8 @@ template <std::floating_point S>
 }
 }  // namespace detail
 
-/// Closed forms for Lambertian, Phong and Ward and for mixtures of them; of other materials the automatic bound.
+/// Closed forms for Lambertian, Phong and Ward and for mixtures of them, and for the toolkit's phase functions; of
+/// others the automatic bound.
 struct AnalyticBounds {
   template <Material M, LocalDirection<typename M::Scalar> Wi, LocalDirection<typename M::Scalar> Wo>
   [[nodiscard]] PatternSup<typename M::Scalar> sup(const M& m, const Wi& wi, const Wo& wo) const noexcept {
@@ -43,7 +48,45 @@ struct AnalyticBounds {
     }
   }
 
+  /// Of a phase function, see AutomaticBounds.
+  template <PhaseFunction P, LocalDirection<typename P::Scalar> W, LocalDirection<typename P::Scalar> V>
+  [[nodiscard]] typename P::Scalar sup_phase(const P& p, const W& sampled, const V& known) const noexcept {
+    if constexpr (detail::k_is_any_phase<P>) {
+      return p.visit([&](const auto& part) { return sup_phase(part, sampled, known); });
+    } else if constexpr (requires { closed_form(p, sampled, known); }) {
+      using S = typename P::Scalar;
+      return closed_form(p, sampled, known) * (S(1) + S(64) * std::numeric_limits<S>::epsilon()) + detail::k_tiny<S>;
+    } else {
+      return AutomaticBounds{}.sup_phase(p, sampled, known);
+    }
+  }
+
  private:
+  template <std::floating_point S, class W, class V>
+  [[nodiscard]] static S closed_form(const IsotropicPhase<S>& p, const W& /*sampled*/, const V& /*known*/) noexcept {
+    return p.k_value;
+  }
+
+  /// Monotone in the cosine: at the end that is nearer to the peak.
+  template <std::floating_point S, class W, class V>
+  [[nodiscard]] static S closed_form(const HenyeyGreenstein<S>& p, const W& sampled, const V& known) noexcept {
+    const Interval<S> cosine = dot(sampled, known);
+    const S a = std::abs(p.g);
+    const S from_peak = S(1) + (p.g > S(0) ? cosine.lo : -cosine.hi);  // rounding may make it negative
+    const S d = sqr(S(1) - a) + S(2) * a * max0(from_peak);
+    return (S(1) - a) * (S(1) + a) * (k_inv_pi<S> / S(4)) / (d * std::sqrt(d));
+  }
+
+  /// exp(-m^2 / (2 gamma^2)) / (2 N sigma), m the smallest |h . f| of the half vectors, sigma the smallest of `known`.
+  template <std::floating_point S, class W, class V>
+  [[nodiscard]] static S closed_form(const GaussianFiber<S>& p, const W& sampled, const V& known) noexcept {
+    const S m = std::max(S(0), abs(dot(half_vector(sampled, known), p.axis())).lo);
+    const S fall = m * m * p.table().inv_two_gamma2();
+    // Rounding of the exponent comes back as a relative error; where the exponential is below 1e-7 it does not matter.
+    const S margin = S(1) + S(8) * std::min(S(16), fall) * std::numeric_limits<S>::epsilon();
+    return std::exp(-fall) * margin * p.table().inv_norm() / (S(2) * Interval<S>(p.projected_area(known)).lo);
+  }
+
   template <std::floating_point S, class Wi, class Wo>
   [[nodiscard]] static PatternSup<S> closed_form(const Lambertian<S>& m, const Wi& wi, const Wo& /*wo*/) noexcept {
     const S f = max_channel(m.reflectance) * k_inv_pi<S>;

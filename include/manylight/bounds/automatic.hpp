@@ -1,16 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Upper bounds of a material over sets of directions. Where neither the material nor its user states one, it follows
-// from the very `eval` that renders, which is a template over its directions [theory 6.6].
+// Upper bounds of a material or a phase function over sets of directions. Where neither it nor its user states one, it
+// follows from the very `eval` that renders, which is a template over its directions [theory 6.6].
 
 #include <algorithm>
 
 #include "manylight/core/direction_set.hpp"
 #include "manylight/core/rgb_interval.hpp"
 #include "manylight/scattering/any_of.hpp"
+#include "manylight/scattering/any_phase.hpp"
 #include "manylight/scattering/concepts.hpp"
 #include "manylight/scattering/mixture.hpp"
+#include "manylight/scattering/phase_concepts.hpp"
 
 namespace manylight {
 
@@ -28,6 +30,12 @@ struct PatternSup {
 template <Material M>
 struct MaterialBound {};
 
+/// The same for a phase function that cannot be changed. Specialise it with
+///   static S sup_eval(const P& p, const W& sampled, const V& known);   // >= f_p, sr^-1
+/// for a DirectionSet and a vector in either place and for two sets.
+template <PhaseFunction P>
+struct PhaseBound {};
+
 namespace detail {
 template <class M, class Wi, class Wo>
 concept StatesOwnBound = requires(const M& m, const Wi& wi, const Wo& wo) {
@@ -36,6 +44,11 @@ concept StatesOwnBound = requires(const M& m, const Wi& wi, const Wo& wo) {
 template <class M, class Wi, class Wo>
 concept HasBoundOfUser = requires(const M& m, const Wi& wi, const Wo& wo) {
   { MaterialBound<M>::sup_eval(m, wi, wo) } -> std::convertible_to<typename M::Scalar>;
+};
+
+template <class P, class W, class V>
+concept HasPhaseBoundOfUser = requires(const P& p, const W& sampled, const V& known) {
+  { PhaseBound<P>::sup_eval(p, sampled, known) } -> std::convertible_to<typename P::Scalar>;
 };
 
 /// Largest |z| of the directions.
@@ -52,6 +65,10 @@ template <class M>
 inline constexpr bool k_is_any_of = false;
 template <class... Ms>
 inline constexpr bool k_is_any_of<AnyOf<Ms...>> = true;
+template <class P>
+inline constexpr bool k_is_any_phase = false;
+template <class... Ps>
+inline constexpr bool k_is_any_phase<AnyPhase<Ps...>> = true;
 template <class M>
 inline constexpr bool k_is_mixture = false;
 template <class... Ms>
@@ -100,6 +117,21 @@ struct AutomaticBounds {
     }
   }
 
+  /// Of a phase function, chosen alike: >= f_p, sr^-1, over all pairs of the two. Vectors or sets, world frame, at
+  /// least one a set.
+  template <PhaseFunction P, LocalDirection<typename P::Scalar> W, LocalDirection<typename P::Scalar> V>
+  [[nodiscard]] typename P::Scalar sup_phase(const P& p, const W& sampled, const V& known) const noexcept {
+    if constexpr (detail::StatesOwnBound<P, W, V>) {
+      return p.sup_eval(sampled, known);
+    } else if constexpr (detail::HasPhaseBoundOfUser<P, W, V>) {
+      return PhaseBound<P>::sup_eval(p, sampled, known);
+    } else if constexpr (detail::k_is_any_phase<P>) {
+      return p.visit([&](const auto& part) { return sup_phase(part, sampled, known); });
+    } else {
+      return Interval<typename P::Scalar>(phase_over(p, sampled, known)).hi;
+    }
+  }
+
  private:
   template <class S, class Wi>
   [[nodiscard]] static S times_cosine(S f, const Wi& wi) noexcept {
@@ -123,6 +155,15 @@ concept PatternBounds = requires(const B& bounds, const M& m, const DirectionSet
                                  const Vec3<typename M::Scalar>& w) {
   { bounds.sup(m, set, w) } -> std::same_as<PatternSup<typename M::Scalar>>;
   { bounds.sup(m, w, set) } -> std::same_as<PatternSup<typename M::Scalar>>;
+};
+
+/// What bounds phase functions: the same policies.
+template <class B, class P>
+concept PhaseBounds = requires(const B& bounds, const P& p, const DirectionSet<typename P::Scalar>& set,
+                               const Vec3<typename P::Scalar>& w) {
+  { bounds.sup_phase(p, set, w) } -> std::same_as<typename P::Scalar>;
+  { bounds.sup_phase(p, w, set) } -> std::same_as<typename P::Scalar>;
+  { bounds.sup_phase(p, set, set) } -> std::same_as<typename P::Scalar>;
 };
 
 }  // namespace manylight

@@ -1,0 +1,9 @@
+// SPDX-License-Identifier: Apache-2.0
+// expect: PhaseFunction
+// expect: p.projected_area.w.[^ ]+ (is|would be) invalid
+#ifndef MANYLIGHT_CORRECT
+#define WITHOUT_PROJECTED_AREA
+#endif
+#include "fog.hpp"
+
+int main() { return sizeof(manylight::AnyPhase<Fog>) > 0 ? 0 : 1; }
