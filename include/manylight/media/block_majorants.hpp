@@ -64,10 +64,12 @@ class BlockMajorants {
   template <class T>
   void find_maxima(const GridVolume<S, T>& grid);
   [[nodiscard]] S majorant(const Index& block) const noexcept {
-    const std::uint32_t x = static_cast<std::uint32_t>(block.x) % count_[0];
-    const std::uint32_t y = static_cast<std::uint32_t>(block.y) % count_[1];
-    const std::uint32_t z = static_cast<std::uint32_t>(block.z) % count_[2];
-    return (*maxima_)[(std::size_t{z} * count_[1] + y) * count_[0] + x];
+    const auto of_copy = [&](int axis) {
+      const auto b = static_cast<std::uint32_t>(block[axis]);
+      const std::uint32_t count = count_[static_cast<std::size_t>(axis)];
+      return b < count ? b : b % count;  // divisions are slow, and most grids have one copy
+    };
+    return (*maxima_)[(std::size_t{of_copy(2)} * count_[1] + of_copy(1)) * count_[0] + of_copy(0)];
   }
 
   std::array<std::uint32_t, 3> count_{};  ///< of one copy
@@ -88,8 +90,8 @@ void BlockMajorants<S>::find_maxima(const GridVolume<S, T>& grid) {
     const S margin = width_[axis] == std::floor(width_[axis]) ? S(0) : slack;
     const S lo = static_cast<S>(b) * width_[axis] - lattice.first_sample() - margin;
     const S hi = static_cast<S>(b + 1) * width_[axis] - lattice.first_sample() + margin;
-    return std::array<std::int64_t, 2>{static_cast<std::int64_t>(std::floor(lo)),
-                                       static_cast<std::int64_t>(std::ceil(hi))};
+    return std::array<std::int32_t, 2>{static_cast<std::int32_t>(std::floor(lo)),
+                                       static_cast<std::int32_t>(std::ceil(hi))};
   };
   auto maxima = std::make_shared<std::vector<S>>(std::size_t{count_[0]} * count_[1] * count_[2]);
   std::size_t block = 0;
@@ -100,9 +102,9 @@ void BlockMajorants<S>::find_maxima(const GridVolume<S, T>& grid) {
         const auto ys = reach(1, by);
         const auto zs = reach(2, bz);
         S largest = S(0);
-        for (std::int64_t z = zs[0]; z <= zs[1]; ++z) {
-          for (std::int64_t y = ys[0]; y <= ys[1]; ++y) {
-            for (std::int64_t x = xs[0]; x <= xs[1]; ++x) {
+        for (std::int32_t z = zs[0]; z <= zs[1]; ++z) {
+          for (std::int32_t y = ys[0]; y <= ys[1]; ++y) {
+            for (std::int32_t x = xs[0]; x <= xs[1]; ++x) {
               const std::size_t i = lattice.index(lattice.sample(0, x), lattice.sample(1, y), lattice.sample(2, z));
               largest = std::max(largest, grid.sample(i));
             }
@@ -122,7 +124,8 @@ template <class Visit>
 void BlockMajorants<S>::walk(const GridSegment<S>& segment, const Visit& visit) const noexcept {
   Index block{};
   Index step{};
-  Vec3<S> next{k_infinity<S>};  // s of the next face per axis
+  const Vec3<S> inverse = S(1) / segment.direction;  // infinite ones are not used
+  Vec3<S> next{k_infinity<S>};                       // s of the next face per axis
   // The grid's own faces do not count: where they are crossed, rounding included, is the segment's end.
   const auto face = [&](int axis) {
     const std::int32_t beyond = block[axis] + step[axis];
@@ -131,7 +134,7 @@ void BlockMajorants<S>::walk(const GridSegment<S>& segment, const Visit& visit) 
       return;
     }
     const std::int32_t plane = std::max(block[axis], beyond);
-    next[axis] = (static_cast<S>(plane) * width_[axis] - segment.entry[axis]) / segment.direction[axis];
+    next[axis] = (static_cast<S>(plane) * width_[axis] - segment.entry[axis]) * inverse[axis];
   };
   for (int axis = 0; axis < 3; ++axis) {
     const auto b = static_cast<std::int32_t>(segment.entry[axis] / width_[axis]);

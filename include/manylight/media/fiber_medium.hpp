@@ -173,10 +173,10 @@ const {
   const GridLattice<S>& lattice = density_.lattice();
   std::optional<std::size_t> best;
   S most = S(0);
-  for (std::int64_t k = 0; k < 27; ++k) {
-    const std::size_t i = lattice.index(lattice.sample(0, static_cast<std::int64_t>(x) + k % 3 - 1),
-                                        lattice.sample(1, static_cast<std::int64_t>(y) + k / 3 % 3 - 1),
-                                        lattice.sample(2, static_cast<std::int64_t>(z) + k / 9 - 1));
+  for (std::int32_t k = 0; k < 27; ++k) {
+    const std::size_t i = lattice.index(lattice.sample(0, static_cast<std::int32_t>(x) + k % 3 - 1),
+                                        lattice.sample(1, static_cast<std::int32_t>(y) + k / 3 % 3 - 1),
+                                        lattice.sample(2, static_cast<std::int32_t>(z) + k / 9 - 1));
     const S rho = density_.sample(i);
     if (rho > most) {
       most = rho;

@@ -66,10 +66,10 @@ class GridLattice {
   }
   /// Lattice coordinate of sample 0: 0 or a half.
   [[nodiscard]] S first_sample() const noexcept { return samples_ == GridSamples::at_vertices ? S(0) : S(0.5); }
-  /// Sample number `i`, any integer, of an axis: repeated or held at the border.
-  [[nodiscard]] std::uint32_t sample(int axis, std::int64_t i) const noexcept {
+  /// Sample number `i`, of magnitude below 2^22, of an axis: repeated or held at the border.
+  [[nodiscard]] std::uint32_t sample(int axis, std::int32_t i) const noexcept {
     const auto a = static_cast<std::size_t>(axis);
-    const auto n = static_cast<std::int64_t>(size_[a]);
+    const auto n = static_cast<std::int32_t>(size_[a]);
     if (i >= 0 && i < n) return static_cast<std::uint32_t>(i);
     if (copies_[a] == 1) return static_cast<std::uint32_t>(i < 0 ? 0 : n - 1);
     return static_cast<std::uint32_t>(((i % n) + n) % n);

@@ -56,7 +56,7 @@ template <std::floating_point S>
   for (int axis = 0; axis < 3; ++axis) {
     const S h = g[axis] - lattice.first_sample();
     const S below = std::floor(h);
-    const auto i = static_cast<std::int64_t>(below);
+    const auto i = static_cast<std::int32_t>(below);
     cell.sample[static_cast<std::size_t>(axis)] = {lattice.sample(axis, i), lattice.sample(axis, i + 1)};
     cell.fraction[axis] = h - below;
   }
