@@ -4,6 +4,6 @@
 #ifndef MANYLIGHT_CORRECT
 #define WITHOUT_EVAL
 #endif
-#include "fog.hpp"
+#include "droplets.hpp"
 
-int main() { return sizeof(manylight::AnyPhase<Fog>) > 0 ? 0 : 1; }
+int main() { return sizeof(manylight::AnyPhase<Droplets>) > 0 ? 0 : 1; }

@@ -13,7 +13,7 @@ headers() { find include/manylight -name '*.hpp' | sort; }
 
 # A lower layer never includes an upper one.
 check_layers() {
-  local order=(core geometry scattering bounds scene path many_light integrator)
+  local order=(core geometry scattering bounds media scene path many_light integrator)
   local -A rank
   local i layer file included
   for i in "${!order[@]}"; do rank[${order[i]}]=$i; done

@@ -1,0 +1,9 @@
+// SPDX-License-Identifier: Apache-2.0
+// expect: Medium
+// expect: m.sigma_t.x, x.[^ ]+ (is|would be) invalid
+#ifndef MANYLIGHT_CORRECT
+#define WITHOUT_SIGMA_T
+#endif
+#include "fog.hpp"
+
+int main() { return use(Fog{}); }
