@@ -11,6 +11,7 @@
 #include <limits>
 
 #include "manylight/bounds/automatic.hpp"
+#include "manylight/scattering/phase_concepts.hpp"
 
 namespace manylight {
 
@@ -100,6 +101,27 @@ template <Material M, PatternBounds<M> B>
     profile.eval[i] = std::min(all.eval, beyond.eval);
     profile.eval_cos[i] = std::min(all.eval_cos, beyond.eval_cos);
   }
+  return profile;
+}
+
+/// Profile of a phase function for the known direction, around the opposite one; there is no cosine. `bounds` as above.
+template <PhaseFunction P, class B>
+[[nodiscard]] inline PatternProfile<typename P::Scalar> phase_profile(const B& bounds, const P& phase,
+                                                                      const Vec3<typename P::Scalar>& known) noexcept {
+  using S = typename P::Scalar;
+  using Set = DirectionSet<S>;
+  const std::array<detail::Turn<S>, 8>& turns = k_profile_turns<S>;
+  PatternProfile<S> profile;
+  S beyond = bounds.sup_phase(phase, Set({-known, S(-1), S(0)}, turns[7].cosine, turns[7].sine), known);
+  const S least = beyond;
+  for (std::size_t i = profile.eval.size(); i-- > 0;) {
+    if (i < 7) {
+      const Set ring({-known, turns[i + 1].cosine, turns[i + 1].sine}, turns[i].cosine, turns[i].sine);
+      beyond = std::max(beyond, bounds.sup_phase(phase, ring, known));
+    }
+    profile.eval[i] = profile.eval_cos[i] = beyond;
+  }
+  profile.is_flat = !(least < beyond);
   return profile;
 }
 

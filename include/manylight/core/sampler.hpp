@@ -10,7 +10,7 @@
 namespace manylight {
 
 /// What a stream of random numbers is for; part of its key, so that no two uses share numbers.
-enum class Stage : std::uint32_t { eye, light, emission, pilot, roulette, representative, test, ledger };
+enum class Stage : std::uint32_t { eye, light, emission, pilot, roulette, representative, test, ledger, transmittance };
 
 /// One block of Philox4x32-10: a counter-based generator, a pure function of counter and key.
 /// [Salmon et al. 2011, "Parallel Random Numbers: As Easy as 1, 2, 3"]
@@ -52,6 +52,13 @@ concept SampleStream = requires(T& stream) {
   { stream.next() } -> std::same_as<typename T::Scalar>;
   { stream.next_2d() } -> std::same_as<Vec2<typename T::Scalar>>;
 };
+
+/// A seed for another stream, of two variates.
+template <SampleStream Stream>
+[[nodiscard]] inline std::uint64_t random_bits(Stream& stream) noexcept {
+  const auto high = static_cast<std::uint64_t>(stream.next() * typename Stream::Scalar(0x1p24));
+  return (high << 24) | static_cast<std::uint64_t>(stream.next() * typename Stream::Scalar(0x1p24));
+}
 
 /// Hands out streams; every variate is a function of (seed, stage, index, sample, dimension) alone.
 template <class T>

@@ -71,8 +71,11 @@ struct PilotVisitor {
           unoccluded_transfer<Scene>(weighting, vps, light, scene.emitters().scene_radius(), max_edges);
       if (is_black(transfer.value)) continue;
       const S probability = static_cast<S>(luminance(light.strength) / static_cast<S>(picker.total()));
-      const Rgb<S> value = vps.vertex.strength * transfer.value * light.strength *
-                           (visibility(scene, vps.vertex, light, rays) / (probability * static_cast<S>(count)));
+      std::uint64_t seed = 0;
+      if constexpr (Scene::k_has_media) seed = random_bits(stream);
+      const auto passed = scene.visibility(shadow_ray<Scene>(vps.vertex, light, seed), rays);
+      const Rgb<S> value = vps.vertex.strength * transfer.value * light.strength * passed /
+                           (probability * static_cast<S>(count));
       if (is_valid_radiance(value)) sum += static_cast<double>(luminance(value));
     }
   }

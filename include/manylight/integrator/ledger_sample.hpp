@@ -41,16 +41,15 @@ template <class Scene, class W>
 class LedgerVisitor {
  public:
   using S = typename Scene::Scalar;
-  using Hit = Interaction<S, typename Scene::Material>;
 
   LedgerVisitor(const Scene& scene, const W& weighting, unsigned max_edges)
       : scene_(scene), max_edges_(max_edges), shares_(weighting) {}
 
   [[nodiscard]] const LedgerSample& sample() const noexcept { return sample_; }
 
-  void arrive(const SurfacePoint<S>& point) {
-    if (edges_ > 0) advance(S(1) / squared_length(point.position - position_));
-    position_ = point.position;
+  void arrive(const Vec3<S>& position) {
+    if (edges_ > 0) advance(S(1) / squared_length(position - position_));
+    position_ = position;
     ++edges_;
   }
   void emission(const Rgb<S>& part, const SurfacePoint<S>& point, const Vec3<S>& wo) {
@@ -61,29 +60,23 @@ class LedgerVisitor {
     if (edges_ > 0) advance(transit_from_infinity());
     book(part, edges_ + 1, shares_, k_inv_pi<S>, false);
   }
+  template <class Hit>
   void direct(const Rgb<S>& part, const Hit& hit, const Vec3<S>& wo, const DirectSample<S>& light, const Rgb<S>& f) {
     if (is_black(part)) return;
     PathShares<W> shares = shares_;
-    const Patterns here = patterns(hit, wo, light.wi, f);
+    const PatternMaxima<S> here = pattern_maxima(hit, light.wi, wo, f);
     shares.leave(here.m, here.d, light.infinite ? transit_from_infinity() : S(1) / sqr(light.distance));
     book(part, edges_ + 1, shares, emitter_pattern(light), light.is_delta);
   }
+  template <class Hit>
   void leave(const Hit& hit, const Vec3<S>& wo, const ScatterSample<S>& sample) {
     leaves_by_delta_ = sample.is_delta;
-    if (!sample.is_delta) step_ = patterns(hit, wo, sample.direction, sample.f);
+    if (!sample.is_delta) step_ = pattern_maxima(hit, sample.direction, wo, sample.f);
   }
 
  private:
-  struct Patterns {
-    S m, d;  ///< sr^-1
-  };
   [[nodiscard]] static S squared_length(const Vec3<S>& v) noexcept { return glm::dot(v, v); }
   [[nodiscard]] S transit_from_infinity() const noexcept { return S(1) / sqr(scene_.emitters().scene_radius()); }
-  [[nodiscard]] static Patterns patterns(const Hit& hit, const Vec3<S>& wo, const Vec3<S>& wi,
-                                         const Rgb<S>& f) noexcept {
-    const S value = max_channel(f) / max_channel(hit.material.albedo());
-    return {value * std::abs(glm::dot(wi, hit.frame.n)), value * std::abs(glm::dot(wo, hit.ng))};
-  }
   /// D of the emitter towards the vertex, as light_pattern gives it.
   [[nodiscard]] static S emitter_pattern(const DirectSample<S>& light) noexcept {
     if (light.infinite) return k_inv_pi<S>;
@@ -110,7 +103,7 @@ class LedgerVisitor {
   const Scene& scene_;
   unsigned max_edges_;
   PathShares<W> shares_;  ///< at the newest vertex
-  Patterns step_{};       ///< of the direction in which it was left
+  PatternMaxima<S> step_{};       ///< of the direction in which it was left
   bool leaves_by_delta_ = false;
   Vec3<S> position_{0};
   unsigned edges_ = 0;  ///< segments from the camera to the newest vertex

@@ -172,7 +172,8 @@ template <class Scene, Camera C, Weighting W, Sampler Random, Executor Exec, cla
     for (std::uint32_t y = tile.y0; y < tile.y1; ++y) {
       for (std::uint32_t x = tile.x0; x < tile.x1; ++x) {
         detail::trace_pixel(scene, camera, filter, config, weighting, sampler, x, y, statistics.eye_rays, collector);
-        const PairSumResult pairs = sum(collector.sensors, collector.emitted, film_index(camera, x, y));
+        auto key = sampler.stream(Stage::representative, film_index(camera, x, y), 0);
+        const PairSumResult pairs = sum(collector.sensors, collector.emitted, random_bits(key));
         statistics.sensors += collector.sensors.size();
         statistics.pairs += pairs.statistics;
         statistics.capped_pixels += pairs.statistics.capped ? 1 : 0;

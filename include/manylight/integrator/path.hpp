@@ -59,10 +59,11 @@ class PathIntegrator {
 
   /// The walk behind `radiance`, whose parts go to `visitor` in path order; radiances are already multiplied by the walk's
   /// throughput and their share, W/m^2/sr, often 0:
-  ///  - `arrive(point)`: the walk has reached its next vertex;
+  ///  - `arrive(position)`: the walk has reached its next vertex;
   ///  - `emission(radiance, point, wo)`: the path that ends on an emitter at that vertex;
   ///  - `environment(radiance)`: the path that leaves the scene;
-  ///  - `direct(radiance, hit, wo, light, f)`: the path that ends at a light drawn for that vertex, f the BSDF, sr^-1;
+  ///  - `direct(radiance, hit, wo, light, f)`: the path that ends at a light drawn for that vertex, an Interaction or a
+  ///    MediumInteraction, f the BSDF, sr^-1, or sigma_s f_p;
   ///  - `leave(hit, wo, sample)`: the walk goes on from that vertex.
   template <SampleStream Stream, class Visitor>
   void trace(const Ray<S>& ray, Stream& stream, RayCounts& rays, Visitor& visitor) const;
@@ -74,22 +75,26 @@ class PathIntegrator {
     S pdf = S(0);
     bool is_weighted = false;  ///< false: seen directly or through Dirac vertices, no light was drawn for it
   };
-  using Hit = Interaction<S, typename Scene::Material>;
   struct Sum {
     Rgb<S> radiance{0};
-    void arrive(const SurfacePoint<S>&) const noexcept {}
+    void arrive(const Vec3<S>&) const noexcept {}
     void emission(const Rgb<S>& part, const SurfacePoint<S>&, const Vec3<S>&) noexcept { radiance += part; }
     void environment(const Rgb<S>& part) noexcept { radiance += part; }
+    template <class Hit>
     void direct(const Rgb<S>& part, const Hit&, const Vec3<S>&, const DirectSample<S>&, const Rgb<S>&) noexcept {
       radiance += part;
     }
+    template <class Hit>
     void leave(const Hit&, const Vec3<S>&, const ScatterSample<S>&) const noexcept {}
   };
 
   [[nodiscard]] static S share(S own, S other) noexcept { return own / (own + other); }
   [[nodiscard]] Rgb<S> emission(const SurfacePoint<S>& point, const Vec3<S>& wo, const Bounce& bounce) const;
   [[nodiscard]] Rgb<S> environment(const Vec3<S>& direction, const Bounce& bounce) const;
-  template <SampleStream Stream, class Visitor>
+  template <class Hit, SampleStream Stream, class Visitor>
+  [[nodiscard]] bool bounce_at(const Hit& hit, WalkState<S>& walk, unsigned edges, Bounce& bounce, Stream& stream,
+                               RayCounts& rays, Visitor& visitor) const;
+  template <class Hit, SampleStream Stream, class Visitor>
   void direct(const Rgb<S>& beta, const Hit& hit, const Vec3<S>& wo, Stream& stream, RayCounts& rays,
               Visitor& visitor) const;
 
@@ -100,33 +105,49 @@ class PathIntegrator {
 template <class Scene>
 template <SampleStream Stream, class Visitor>
 void PathIntegrator<Scene>::trace(const Ray<S>& ray, Stream& stream, RayCounts& rays, Visitor& visitor) const {
-  WalkState<S> walk{ray};
+  WalkState<S> walk{ray, Rgb<S>(1), Rgb<S>(0), medium_at(scene_, ray, rays)};
   Bounce bounce;
   for (unsigned edges = 1; edges <= config_.max_edges; ++edges) {
-    const std::optional<SurfacePoint<S>> point = scene_.intersect(walk.ray, stream, rays);
-    if (!point) return visitor.environment(walk.beta * environment(walk.ray.direction, bounce));
-    absorb<Scene>(walk, *point);
-    visitor.arrive(*point);
-    const Vec3<S> wo = -walk.ray.direction;
-    visitor.emission(walk.beta * emission(*point, wo, bounce), *point, wo);
-    if (edges == config_.max_edges) break;
-
-    const Hit hit = scene_.interaction(*point, wo);
-    if (!hit.material.is_delta()) direct(walk.beta, hit, wo, stream, rays, visitor);
-    const std::optional<ScatterSample<S>> sample = sample_scatter<Scene>(hit, wo, Walk::eye, stream);
-    if (!sample) break;
-    if (!sample->is_delta) bounce = {point->position, sample->pdf, true};
-    else bounce.is_weighted = false;
-    visitor.leave(hit, wo, *sample);
-    continue_walk(scene_, walk, hit, *sample);
-    if (edges + 1 >= config_.roulette_edges) {
-      // The throughput grows by albedo / cap per bounce, its square times the survival by albedo^2 / cap: the variance is
-      // finite up to an albedo of sqrt(0.99) = 0.995.
-      const S survival = std::min(S(0.99), max_channel(walk.beta));
-      if (!(stream.next() < survival)) break;
-      walk.beta /= survival;
+    const Arrival<Scene> arrival = advance(scene_, walk, stream, rays);
+    if constexpr (Scene::k_has_media) {
+      if (arrival.collision) {
+        visitor.arrive(arrival.collision->position);
+        if (edges == config_.max_edges) break;
+        if (!bounce_at(*arrival.collision, walk, edges, bounce, stream, rays, visitor)) break;
+        continue;
+      }
     }
+    if (!arrival.surface) return visitor.environment(walk.beta * environment(walk.ray.direction, bounce));
+    const SurfacePoint<S>& point = *arrival.surface;
+    visitor.arrive(point.position);
+    const Vec3<S> wo = -walk.ray.direction;
+    visitor.emission(walk.beta * emission(point, wo, bounce), point, wo);
+    if (edges == config_.max_edges) break;
+    if (!bounce_at(scene_.interaction(point, wo, walk.medium), walk, edges, bounce, stream, rays, visitor)) break;
   }
+}
+
+/// Light drawn for the vertex, then the next direction; false where the walk ends.
+template <class Scene>
+template <class Hit, SampleStream Stream, class Visitor>
+bool PathIntegrator<Scene>::bounce_at(const Hit& hit, WalkState<S>& walk, unsigned edges, Bounce& bounce, Stream& stream,
+                                      RayCounts& rays, Visitor& visitor) const {
+  const Vec3<S> wo = -walk.ray.direction;
+  if (!is_delta(hit)) direct(walk.beta, hit, wo, stream, rays, visitor);
+  const std::optional<ScatterSample<S>> sample = sample_scatter<Scene>(hit, wo, Walk::eye, stream);
+  if (!sample) return false;
+  if (!sample->is_delta) bounce = {anchor(hit).position, sample->pdf, true};
+  else bounce.is_weighted = false;
+  visitor.leave(hit, wo, *sample);
+  continue_walk(scene_, walk, hit, *sample);
+  if (edges + 1 >= config_.roulette_edges) {
+    // The throughput grows by albedo / cap per bounce, its square times the survival by albedo^2 / cap: the variance is
+    // finite up to an albedo of sqrt(0.99) = 0.995.
+    const S survival = std::min(S(0.99), max_channel(walk.beta));
+    if (!(stream.next() < survival)) return false;
+    walk.beta /= survival;
+  }
+  return true;
 }
 
 template <class Scene>
@@ -145,22 +166,24 @@ auto PathIntegrator<Scene>::environment(const Vec3<S>& direction, const Bounce& 
 }
 
 template <class Scene>
-template <SampleStream Stream, class Visitor>
+template <class Hit, SampleStream Stream, class Visitor>
 void PathIntegrator<Scene>::direct(const Rgb<S>& beta, const Hit& hit, const Vec3<S>& wo, Stream& stream,
                                    RayCounts& rays, Visitor& visitor) const {
   const S u_select = stream.next();
-  const auto light = scene_.emitters().sample_direct(hit.point.position, u_select, stream.next_2d());
+  const Anchor<S> here = anchor(hit);
+  const auto light = scene_.emitters().sample_direct(here.position, u_select, stream.next_2d());
   if (!light || is_black(light->radiance)) return;
-  const Vec3<S> wi_local = hit.frame.to_local(light->wi);
-  const Rgb<S> f = scatter(hit.material, hit.frame, hit.ng, light->wi, wo);
-  if (is_black(f)) return;
+  const Scattered<S> scatter = scattered(hit, light->wi, wo);
+  if (is_black(scatter.value)) return;
   S weight = S(1);
-  if (!light->is_delta) weight = share(light->pdf, hit.material.pdf(hit.frame.to_local(wo), wi_local, Walk::eye));
-  const Anchor<S> here{hit.point.position, hit.point.error, hit.ng};
-  const S visible = light->infinite ? scene_.visibility(here, light->wi, rays)
-                                    : scene_.visibility(here, Anchor<S>{light->position, light->error, light->ng}, rays);
-  const Rgb<S> arriving = f * light->radiance * (std::abs(wi_local.z) * weight * visible / light->pdf);
-  visitor.direct(beta * arriving, hit, wo, *light, f);
+  if (!light->is_delta) weight = share(light->pdf, direction_pdf(hit, light->wi, wo));
+  std::uint64_t seed = 0;
+  if constexpr (Scene::k_has_media) seed = random_bits(stream);
+  const typename Scene::ShadowRay ray =
+      light->infinite ? Scene::shadow_ray(here, light->wi, seed)
+                      : Scene::shadow_ray(here, Anchor<S>{light->position, light->error, light->ng}, seed);
+  const Rgb<S> arriving = scatter.value * light->radiance * (weight / light->pdf) * scene_.visibility(ray, rays);
+  visitor.direct(beta * arriving, hit, wo, *light, scatter.f);
 }
 
 /// Sums samples [first, first + count) of every pixel of `window` into `sums` (row by row, W/m^2/sr): call it with

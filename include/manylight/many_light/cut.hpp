@@ -126,8 +126,8 @@ class CutSum {
   std::vector<std::uint32_t> batch_;
   CutParts<Scene, W> parts_;
   std::vector<Pending> pending_;
-  std::vector<Ray<S>> rays_;
-  std::vector<S> visible_;
+  std::vector<typename Scene::ShadowRay> rays_;
+  std::vector<typename Scene::Passed> visible_;
   std::uint64_t key_ = 0;
   PairStatistics statistics_;
 };
@@ -267,7 +267,8 @@ void CutSum<Scene, W, B>::evaluate_pending() {
     if (max_channel(transfer.value) > pending.bound * S(1.00001)) ++statistics_.bound_violations;  // rounding of products
     c.unit = transfer.value * (sensor.vertex.strength / luminance(sensor.vertex.strength)) *
              (light.strength / luminance(light.strength));
-    rays_.push_back(shadow_ray<Scene>(sensor.vertex, light));
+    // A pair that is met again must find the same transmittance.
+    rays_.push_back(shadow_ray<Scene>(sensor.vertex, light, key_ ^ mix_bits((std::uint64_t{c.sensor} << 32) | c.vpl)));
   }
   statistics_.pairs += pending_.size();
   visible_.resize(rays_.size());

@@ -102,7 +102,8 @@ void GatherTree<Scene, W>::build(const std::vector<Sensor<Scene, W>>& sensors, c
   items_.clear();
   for (std::size_t i = 0; i < sensors.size(); ++i) {
     const VertexOf<Scene>& v = sensors[i].vertex;
-    items_.push_back({v.position, v.shading.normal(), luminance(v.strength), static_cast<std::uint32_t>(i)});
+    const Vec3<S> axis = v.is_in_medium() ? Vec3<S>(0) : v.shading.normal();
+    items_.push_back({v.position, axis, luminance(v.strength), static_cast<std::uint32_t>(i)});
   }
   const std::vector<ClusterNode> clusters = split_clusters(items_, SerialExecutor{});
   representatives_.clear();
@@ -126,17 +127,26 @@ GatherNode<typename Scene::Scalar> GatherTree<Scene, W>::leaf(const W& weighting
   GatherNode<S> node;
   node.leaves = {place, place + 1};
   node.box.extend(v.position);
-  node.normals = DirectionCone<S>::of(v.shading.normal());
   node.strength = v.strength;
   node.saturation = saturation(v.strength);
+  node.cap = limit.cap < k_infinity<S> ? limit.cap * limit.factor : k_infinity<S>;
+  node.remaining = limit.remaining;
+  if constexpr (v.k_may_be_in_medium) {
+    if (v.is_in_medium()) {
+      // No cosine: any direction is the normal. The axis is the way straight on.
+      node.pattern = phase_profile(bounds, v.phase, v.w);
+      node.pattern.scale(limit.factor);
+      node.lobes = DirectionCone<S>::of(-v.w);
+      return node;
+    }
+  }
+  node.normals = DirectionCone<S>::of(v.shading.normal());
   const Frame<S> frame = v.shading.frame();
   const Vec3<S> wo = frame.to_local(v.w);
   node.pattern = pattern_profile(bounds, v.material, wo);
   node.pattern.scale(limit.factor / v.alpha);
   // The axis of a flat pattern is never asked; any cone that does not widen the parent's.
   node.lobes = node.pattern.is_flat ? node.normals : DirectionCone<S>::of(glm::normalize(frame.to_world(mirror(wo))));
-  node.cap = limit.cap < k_infinity<S> ? limit.cap * limit.factor : k_infinity<S>;
-  node.remaining = limit.remaining;
   return node;
 }
 
@@ -172,9 +182,13 @@ void GatherTree<Scene, W>::add_maps(const W& weighting, const B& bounds) {
     if (node.is_leaf) {
       const Sensor<Scene, W>& sensor = sensor_of_leaf(node.leaves.begin);
       const VertexOf<Scene>& v = sensor.vertex;
+      if constexpr (v.k_may_be_in_medium) {
+        if (v.is_in_medium()) continue;  // its profile will do
+      }
       const S factor = weighting.limit(sensor.record).factor / v.alpha;
       build_sensor_map(bounds, v.material, v.shading.frame(), v.w, factor, maps_[i]);
     } else {
+      if (nodes_[node.child].map == nullptr || nodes_[node.child + 1].map == nullptr) continue;
       maps_[i].merge(maps_[node.child], maps_[node.child + 1], bounds.limits.nodes);
     }
     node.map = &maps_[i];

@@ -41,9 +41,12 @@ struct LightNode {
 };
 
 /// Bound of D of one VPL; materials are bounded by `bounds`.
-template <std::floating_point S, Material M, PatternBounds<M> B>
-[[nodiscard]] inline LightPeak<S> vpl_pattern(const Vertex<S, M>& v, const B& bounds) noexcept {
+template <std::floating_point S, Material M, class Phase, PatternBounds<M> B>
+[[nodiscard]] inline LightPeak<S> vpl_pattern(const Vertex<S, M, Phase>& v, const B& bounds) noexcept {
   switch (v.kind) {
+    case VertexKind::medium:
+      if constexpr (v.k_may_be_in_medium) return {bounds.sup_phase(v.phase, DirectionSet<S>(), v.w), false};
+      break;
     case VertexKind::surface: {
       const LightPeak<S> f = light_peak(bounds, v.material, v.shading.frame().to_local(v.w));
       return {f.peak / v.alpha, f.has_both_sides};
@@ -162,7 +165,8 @@ LightTree<Scene>::LightTree(std::vector<VertexOf<Scene>> vpls, const Exec& execu
   std::vector<ClusterItem<S>> groups[3];
   for (std::size_t i = 0; i < vpls.size(); ++i) {
     const VertexOf<Scene>& v = vpls[i];
-    const Vec3<S> axis = v.is_infinite() || v.kind == VertexKind::point_emitter ? Vec3<S>(0) : v.ng;
+    const bool has_axis = !v.is_infinite() && v.kind != VertexKind::point_emitter && !v.is_in_medium();
+    const Vec3<S> axis = has_axis ? v.ng : Vec3<S>(0);
     const int group = v.exact ? (v.is_infinite() ? 1 : 2) : (v.is_infinite() ? 1 : 0);
     groups[group].push_back({v.position, axis, luminance(v.strength), static_cast<std::uint32_t>(i)});
   }
@@ -213,7 +217,8 @@ LightNode<typename Scene::Scalar> LightTree<Scene>::leaf_node(std::uint32_t leaf
   node.peak = std::abs(peaks_[leaf]);
   node.is_two_sided = peaks_[leaf] < S(0);
   // An emitter without a normal keeps the full cone: its D does not depend on the direction.
-  const bool has_normal = v.kind != VertexKind::point_emitter && v.kind != VertexKind::infinite_emitter;
+  const bool has_normal =
+      v.kind != VertexKind::point_emitter && v.kind != VertexKind::infinite_emitter && !v.is_in_medium();
   if (has_normal) node.normals = DirectionCone<S>::of(v.ng);
   if (v.kind == VertexKind::spot_emitter) node.cos_cutoff = std::cos(v.w.y) - S(8) * std::numeric_limits<S>::epsilon();
   return node;

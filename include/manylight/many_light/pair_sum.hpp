@@ -50,11 +50,12 @@ class BruteForceSum {
   BruteForceSum(const Scene& scene, const W& weighting, const std::vector<VertexOf<Scene>>& vpls, unsigned max_edges)
       : scene_(scene), weighting_(weighting), vpls_(vpls), max_edges_(max_edges) {}
 
-  /// `key`: any number of the pixel's own; unused here.
+  /// `key`: any number of the pixel's own; draws the transmittance of media.
   [[nodiscard]] PairSumResult operator()(const std::vector<Sensor<Scene, W>>& sensors, const Rgb<double>& /*known*/,
-                                         std::uint64_t /*key*/) const {
+                                         std::uint64_t key) const {
     PairSumResult result;
     Batch batch;
+    std::uint64_t seed = mix_bits(key);
     for (const Sensor<Scene, W>& sensor : sensors) {
       for (const VertexOf<Scene>& light : vpls_) {
         ++result.statistics.pairs;
@@ -62,7 +63,7 @@ class BruteForceSum {
             unoccluded_transfer<Scene>(weighting_, sensor, light, scene_.emitters().scene_radius(), max_edges_);
         if (!transfer.is_valid) ++result.statistics.invalid;
         if (is_black(transfer.value)) continue;
-        batch.rays.push_back(shadow_ray<Scene>(sensor.vertex, light));
+        batch.rays.push_back(shadow_ray<Scene>(sensor.vertex, light, ++seed));
         batch.values.push_back(sensor.vertex.strength * transfer.value * light.strength);
         if (batch.rays.size() == k_batch) flush(batch, result);
       }
@@ -75,9 +76,9 @@ class BruteForceSum {
  private:
   static constexpr std::size_t k_batch = 256;
   struct Batch {
-    std::vector<Ray<S>> rays;
+    std::vector<typename Scene::ShadowRay> rays;
     std::vector<Rgb<S>> values;
-    std::vector<S> visible;
+    std::vector<typename Scene::Passed> visible;
   };
 
   void flush(Batch& batch, PairSumResult& result) const {

@@ -6,6 +6,9 @@
 //   M(wi) = s / alpha_M,  alpha_M = alpha |wo.ng|            = |wi.ns| f / alpha        (sr^-1)
 //   D(wo) = s / alpha_D,  alpha_D = alpha |wi.ns|            = f |wo.ng| / alpha        (sr^-1)
 //   T = visibility / d^2                                     (m^-2), for lights at infinity 1 / R^2
+// In a medium s = sigma_s(wo) f_p, alpha_M = sigma_s(wo), alpha_D = sigma_s(wi), so that M and D are the phase function
+// given the known direction: for the other one, reciprocity of sigma_s f_p gives it as well. Visibility holds the
+// transmittance, which is random: it stays out of the T of weights.
 // alpha is the largest channel of the albedo, constant per vertex: it cancels in S M and D I and only shapes weights.
 // Weights and bounds see the largest channel of M and D, so that every inequality holds per channel.
 
@@ -40,24 +43,30 @@ struct SensorPatterns {
   Rgb<S> m;  ///< M(wi), sr^-1 per channel
   S d;       ///< largest channel of the vertex's own D towards `wo`, sr^-1: weights of the segment before need it
 };
-template <std::floating_point S, Material M>
-[[nodiscard]] inline SensorPatterns<S> sensor_patterns(const Vertex<S, M>& v, const Vec3<S>& wi) noexcept {
+template <std::floating_point S, Material M, class Phase>
+[[nodiscard]] inline SensorPatterns<S> sensor_patterns(const Vertex<S, M, Phase>& v, const Vec3<S>& wi) noexcept {
+  if constexpr (v.k_may_be_in_medium) {
+    if (v.is_in_medium()) return {Rgb<S>(v.phase.eval(wi, v.w)), v.phase.eval(v.w, wi)};
+  }
   const Rgb<S> f = scatter(v.material, v.shading.frame(), v.ng, wi, v.w) / v.alpha;
   return {f * std::abs(glm::dot(wi, v.shading.normal())), max_channel(f) * std::abs(glm::dot(v.w, v.ng))};
 }
 
 /// D of a surface vertex, as seen by a subpath that knows `wi`, towards `wo`, sr^-1 per channel.
-template <std::floating_point S, Material M>
-[[nodiscard]] inline Rgb<S> surface_light_pattern(const Vertex<S, M>& v, const Vec3<S>& wi, const Vec3<S>& wo) noexcept {
+template <std::floating_point S, Material M, class Phase>
+[[nodiscard]] inline Rgb<S> surface_light_pattern(const Vertex<S, M, Phase>& v, const Vec3<S>& wi, const Vec3<S>& wo) noexcept {
   const Rgb<S> f = scatter(v.material, v.shading.frame(), v.ng, wi, wo);
   return f * (std::abs(glm::dot(wo, v.ng)) / v.alpha);
 }
 
 /// D of a VPL towards `wo`, sr^-1 per channel.
-template <std::floating_point S, Material M>
-[[nodiscard]] inline Rgb<S> light_pattern(const Vertex<S, M>& v, const Vec3<S>& wo) noexcept {
+template <std::floating_point S, Material M, class Phase>
+[[nodiscard]] inline Rgb<S> light_pattern(const Vertex<S, M, Phase>& v, const Vec3<S>& wo) noexcept {
   switch (v.kind) {
     case VertexKind::surface: return surface_light_pattern(v, v.w, wo);
+    case VertexKind::medium:
+      if constexpr (v.k_may_be_in_medium) return Rgb<S>(v.phase.eval(wo, v.w));
+      break;
     case VertexKind::area_emitter: return Rgb<S>(std::max(S(0), glm::dot(wo, v.ng)) * k_inv_pi<S>);
     case VertexKind::two_sided_area_emitter: return Rgb<S>(std::abs(glm::dot(wo, v.ng)) * k_inv_pi<S>);
     case VertexKind::point_emitter: return Rgb<S>(S(0.25) * k_inv_pi<S>);
@@ -81,8 +90,9 @@ struct Pair {
 
 /// Evaluates M, D and T (visibility 1) of a pair. `scene_radius`, m: that of the scene's bounding sphere, the unit of
 /// lights at infinity (theory 2.5). Coincident vertices give m = d = 0: such a pair carries nothing.
-template <std::floating_point S, Material M>
-[[nodiscard]] inline Pair<S> connect(const Vertex<S, M>& sensor, const Vertex<S, M>& light, S scene_radius) noexcept {
+template <std::floating_point S, Material M, class Phase>
+[[nodiscard]] inline Pair<S> connect(const Vertex<S, M, Phase>& sensor, const Vertex<S, M, Phase>& light,
+                                     S scene_radius) noexcept {
   Pair<S> pair{};
   if (light.is_infinite()) {
     pair.wi = light.position;
@@ -102,19 +112,12 @@ template <std::floating_point S, Material M>
   return pair;
 }
 
-/// The shadow ray of a pair.
+/// The shadow ray of a pair; `seed` draws the transmittance of media.
 template <class Scene>
-[[nodiscard]] Ray<typename Scene::Scalar> shadow_ray(const VertexOf<Scene>& sensor, const VertexOf<Scene>& light) {
-  return light.is_infinite() ? Scene::shadow_ray(sensor.anchor(), light.position)
-                             : Scene::shadow_ray(sensor.anchor(), light.anchor());
-}
-
-/// Visibility of a pair, in [0, 1]; one shadow ray.
-template <class Scene>
-[[nodiscard]] typename Scene::Scalar visibility(const Scene& scene, const VertexOf<Scene>& sensor,
-                                                const VertexOf<Scene>& light, RayCounts& rays) {
-  return light.is_infinite() ? scene.visibility(sensor.anchor(), light.position, rays)
-                             : scene.visibility(sensor.anchor(), light.anchor(), rays);
+[[nodiscard]] typename Scene::ShadowRay shadow_ray(const VertexOf<Scene>& sensor, const VertexOf<Scene>& light,
+                                                   std::uint64_t seed = 0) {
+  return light.is_infinite() ? Scene::shadow_ray(sensor.anchor(), light.position, seed)
+                             : Scene::shadow_ray(sensor.anchor(), light.anchor(), seed);
 }
 
 }  // namespace manylight

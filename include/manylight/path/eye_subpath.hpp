@@ -22,8 +22,11 @@ struct Sensor {
 };
 
 /// Bound of the sensor's own D over all light-side directions, sr^-1.
-template <std::floating_point S, Material M>
-[[nodiscard]] inline S sup_sensor_d(const Vertex<S, M>& v) noexcept {
+template <std::floating_point S, Material M, class Phase>
+[[nodiscard]] inline S sup_sensor_d(const Vertex<S, M, Phase>& v) noexcept {
+  if constexpr (v.k_may_be_in_medium) {
+    if (v.is_in_medium()) return AutomaticBounds{}.sup_phase(v.phase, v.w, DirectionSet<S>());
+  }
   const Vec3<S> wo = v.shading.frame().to_local(v.w);
   const S cosine = std::abs(glm::dot(v.w, v.ng));
   return cosine > S(0) ? AutomaticBounds{}.sup(v.material, DirectionSet<S>(), wo).eval * cosine / v.alpha : S(0);
@@ -47,11 +50,19 @@ class EyeSubpath {
       : scene_(scene), weighting_(weighting), max_edges_(max_edges), stream_(stream), rays_(rays), visitor_(visitor) {}
 
   void trace(const Ray<S>& camera_ray, S weight) {
-    WalkState<S> walk{camera_ray, Rgb<S>(weight)};
+    WalkState<S> walk{camera_ray, Rgb<S>(weight), Rgb<S>(0), medium_at(scene_, camera_ray, rays_)};
     typename W::Record record = weighting_.start();
     Step previous{};
     for (unsigned edges = 1; edges <= max_edges_; ++edges) {
-      const std::optional<SurfacePoint<S>> point = scene_.intersect(walk.ray, stream_, rays_);
+      const Arrival<Scene> arrival = advance(scene_, walk, stream_, rays_);
+      if constexpr (Scene::k_has_media) {
+        if (arrival.collision) {
+          record = arrive(record, previous, transit(previous, arrival.collision->position));
+          if (edges == max_edges_ || !visit(walk, record, *arrival.collision, edges, previous)) return;
+          continue;
+        }
+      }
+      const std::optional<SurfacePoint<S>>& point = arrival.surface;
       if (!point) {
         const Rgb<S> radiance = scene_.emitters().environment(walk.ray.direction);
         if (is_black(radiance)) return;
@@ -59,9 +70,7 @@ class EyeSubpath {
         visitor_.emission(walk.beta * radiance * weighting_.hit_weight(arrive(record, previous, t), k_inv_pi<S>));
         return;
       }
-      absorb<Scene>(walk, *point);
-      const Vec3<S> to_previous = previous.position - point->position;
-      record = arrive(record, previous, S(1) / glm::dot(to_previous, to_previous));
+      record = arrive(record, previous, transit(previous, point->position));
       if (!visit(walk, record, *point, edges, previous)) return;
     }
   }
@@ -76,12 +85,16 @@ class EyeSubpath {
     Vec3<S> position{0};
   };
 
+  [[nodiscard]] static S transit(const Step& step, const Vec3<S>& position) noexcept {
+    const Vec3<S> to_previous = step.position - position;
+    return S(1) / glm::dot(to_previous, to_previous);
+  }
   [[nodiscard]] typename W::Record arrive(const typename W::Record& record, const Step& step, S t) const {
     if (step.is_first) return record;
     return step.is_delta ? weighting_.extend_delta(record) : weighting_.extend(record, step.m, step.d, t);
   }
 
-  /// Handles vertex v_j; returns false when the subpath ends here.
+  /// Handles vertex v_j on a surface; returns false when the subpath ends here.
   bool visit(WalkState<S>& walk, const typename W::Record& record, const SurfacePoint<S>& point, unsigned edges,
              Step& step) {
     const Vec3<S> wo = -walk.ray.direction;
@@ -91,14 +104,17 @@ class EyeSubpath {
       visitor_.emission(walk.beta * emitted * weighting_.hit_weight(record, d_emitter));
     }
     if (edges == max_edges_) return false;
-    const auto hit = scene_.interaction(point, wo);
+    return visit(walk, record, scene_.interaction(point, wo, walk.medium), edges, step);
+  }
+  /// The same for what scatters there: a surface or a medium.
+  template <class Hit>
+  bool visit(WalkState<S>& walk, const typename W::Record& record, const Hit& hit, unsigned edges, Step& step) {
+    const Vec3<S> wo = -walk.ray.direction;
     if (!survives(walk, hit)) return false;
-    const bool delta_only = hit.material.is_delta();
-    bool pruned = delta_only;
-    if (!delta_only) {
-      auto vertex = surface_vertex(hit, wo);
+    bool pruned = is_delta(hit);
+    if (!pruned) {
+      auto vertex = vertex_at<Scene>(hit, wo, Walk::eye, walk.beta);
       if (!(vertex.alpha > S(0))) return false;
-      vertex.strength = walk.beta * vertex.alpha;
       vertex.edges = static_cast<std::uint16_t>(edges);
       pruned = weighting_.prune(record, sup_sensor_d(vertex));
       if (!pruned) visitor_.sensor(Sensor<Scene, W>{vertex, record});
@@ -107,9 +123,10 @@ class EyeSubpath {
   }
 
   /// Russian roulette on the strength relative to that of the path's first sensor (theory 2.2).
-  bool survives(WalkState<S>& walk, const Interaction<S, typename Scene::Material>& hit) {
-    const S strength = max_channel(walk.beta) * (hit.material.is_delta() ? S(1) : max_channel(hit.material.albedo()));
-    if (!(strength > S(0))) return hit.material.is_delta() && max_channel(walk.beta) > S(0);
+  template <class Hit>
+  bool survives(WalkState<S>& walk, const Hit& hit) {
+    const S strength = max_channel(walk.beta * albedo(hit));
+    if (!(strength > S(0))) return false;
     if (!(reference_strength_ > S(0))) {
       reference_strength_ = strength;
       return true;
@@ -122,20 +139,21 @@ class EyeSubpath {
     return true;
   }
 
-  bool leave(WalkState<S>& walk, const typename W::Record& record, const Interaction<S, typename Scene::Material>& hit,
-             const Vec3<S>& wo, bool pruned, Step& step) {
+  template <class Hit>
+  bool leave(WalkState<S>& walk, const typename W::Record& record, const Hit& hit, const Vec3<S>& wo, bool pruned,
+             Step& step) {
     const std::optional<ScatterSample<S>> sample = sample_scatter<Scene>(hit, wo, Walk::eye, stream_);
     if (!sample) return false;
     step.is_first = false;
-    step.position = hit.point.position;
+    step.position = anchor(hit).position;
     step.is_delta = sample->is_delta;
     if (sample->is_delta) {
       if (weighting_.prune_delta(record)) return false;
     } else {
       if (pruned) return false;
-      const S f = max_channel(sample->f) / max_channel(hit.material.albedo());
-      step.m = f * std::abs(glm::dot(sample->direction, hit.frame.n));
-      step.d = f * std::abs(glm::dot(wo, hit.ng));
+      const PatternMaxima<S> patterns = pattern_maxima(hit, sample->direction, wo, sample->f);
+      step.m = patterns.m;
+      step.d = patterns.d;
       if (!(step.m > S(0)) || !(step.d > S(0))) return false;
     }
     continue_walk(scene_, walk, hit, *sample);

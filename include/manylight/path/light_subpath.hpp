@@ -50,13 +50,23 @@ class LightSubpath {
     if (!emission) return;
     if (!is_delta(emission->kind) && max_edges_ >= 2) out_.push_back(emission_vertex<Scene>(*emission));
     WalkState<S> walk{start_ray(*emission), emission->beta};
+    if constexpr (Scene::k_has_media) {
+      // Light from infinity does not get through a medium without end.
+      if (is_infinite(emission->kind) && scene_.media().outside() != k_vacuum) return;
+      walk.medium = medium_at(scene_, walk.ray, rays_);
+    }
     for (unsigned edges = 1; edges + 2 <= max_edges_; ++edges) {
-      const std::optional<SurfacePoint<S>> point = scene_.intersect(walk.ray, stream_, rays_);
-      if (!point) return;
-      absorb<Scene>(walk, *point);
+      const Arrival<Scene> arrival = advance(scene_, walk, stream_, rays_);
       const Vec3<S> wi = -walk.ray.direction;
-      const auto hit = scene_.interaction(*point, wi);
-      if (!scatter_and_store(walk, hit, wi, edges)) return;
+      if constexpr (Scene::k_has_media) {
+        if (arrival.collision) {
+          if (!scatter_and_store(walk, *arrival.collision, wi, edges)) return;
+          continue;
+        }
+      }
+      if (!arrival.surface) return;
+      const auto hit = scene_.interaction(*arrival.surface, wi, walk.medium);
+      if (!(std::abs(glm::dot(wi, hit.ng)) > S(0)) || !scatter_and_store(walk, hit, wi, edges)) return;
     }
   }
 
@@ -67,14 +77,11 @@ class LightSubpath {
             emission.wo};
   }
 
-  bool scatter_and_store(WalkState<S>& walk, const Interaction<S, typename Scene::Material>& hit, const Vec3<S>& wi,
-                         unsigned edges) {
-    const bool delta_only = hit.material.is_delta();
-    const S cos_ng = std::abs(glm::dot(wi, hit.ng));
-    if (!(cos_ng > S(0))) return false;
-    auto vertex = surface_vertex(hit, wi);
+  template <class Hit>
+  bool scatter_and_store(WalkState<S>& walk, const Hit& hit, const Vec3<S>& wi, unsigned edges) {
+    const bool delta_only = is_delta(hit);
+    auto vertex = vertex_at<Scene>(hit, wi, Walk::light, walk.beta);
     if (!delta_only && !(vertex.alpha > S(0))) return false;
-    vertex.strength = walk.beta * (vertex.alpha * std::abs(glm::dot(wi, hit.frame.n)) / cos_ng);
     if (!survives(walk, delta_only ? walk.beta : vertex.strength, vertex)) return false;
     if (!delta_only) {
       vertex.edges = static_cast<std::uint16_t>(edges);

@@ -45,9 +45,21 @@ class ShadingFrame<S, true> {
 };
 }  // namespace detail
 
+namespace detail {
+/// What only vertices of scenes with media carry.
+template <class Phase>
+struct VertexMedium {
+  Phase phase{};       ///< of a vertex in a medium
+  MediaSides media{};  ///< around it; front on the side of the vertex's `ng`
+};
+template <>
+struct VertexMedium<NoPhase> {};
+}  // namespace detail
+
 /// What a vertex scatters or emits like.
 enum class VertexKind : std::uint8_t {
   surface,         ///< a Material
+  medium,          ///< a PhaseFunction
   area_emitter,    ///< Lambertian emission on the side of ng
   two_sided_area_emitter,  ///< Lambertian emission on both sides
   point_emitter,   ///< isotropic emission
@@ -57,32 +69,38 @@ enum class VertexKind : std::uint8_t {
 
 /// The one vertex of the toolkit: at the end of an eye subpath a virtual point sensor (VPS), at the end of a light
 /// subpath a virtual point light (VPL). All directions are unit, world frame, and point away from the vertex.
-template <std::floating_point S, Material M>
-struct Vertex {
+template <std::floating_point S, Material M, class Phase = NoPhase>
+struct Vertex : detail::VertexMedium<Phase> {
   using Scalar = S;
+  static constexpr bool k_may_be_in_medium = !std::is_same_v<Phase, NoPhase>;
   Vec3<S> position{0};
   S error = S(0);         ///< bound of the absolute error of `position`, m
   Vec3<S> ng{0, 0, 1};    ///< geometric normal, on the side of `w` for two-sided surfaces
   Vec3<S> w{0, 0, 1};     ///< known direction: `wo` (to the previous eye vertex) of a VPS, `wi` of a VPL on a surface
   detail::ShadingFrame<S, k_is_isotropic<M>> shading;
   M material{};
-  S alpha = S(0);         ///< normaliser of the pattern: largest channel of the material's albedo
+  S alpha = S(0);         ///< normaliser of the pattern: largest channel of the material's albedo; 1 in a medium
   Rgb<S> strength{0};     ///< S of a VPS (1: radiance per radiance), I of a VPL (W)
   std::uint16_t edges = 0;  ///< segments between this vertex and the camera (VPS) or the emitter (VPL)
   VertexKind kind = VertexKind::surface;
   bool exact = false;  ///< emission without noise that no other technique can reach (point, directional): not clamped
 
   [[nodiscard]] bool is_infinite() const noexcept { return kind == VertexKind::infinite_emitter; }
-  [[nodiscard]] Anchor<S> anchor() const noexcept { return {position, error, ng}; }
+  [[nodiscard]] bool is_in_medium() const noexcept { return k_may_be_in_medium && kind == VertexKind::medium; }
+  [[nodiscard]] Anchor<S> anchor() const noexcept {
+    Anchor<S> a{position, error, ng};
+    if constexpr (k_may_be_in_medium) a.media = this->media;
+    return a;
+  }
 };
 
 template <class Scene>
-using VertexOf = Vertex<typename Scene::Scalar, typename Scene::Material>;
+using VertexOf = Vertex<typename Scene::Scalar, typename Scene::Material, typename Scene::Phase>;
 
 /// A surface vertex at `hit` with the known direction `w`; strength and edges are left to the caller.
-template <std::floating_point S, Material M>
-[[nodiscard]] Vertex<S, M> surface_vertex(const Interaction<S, M>& hit, const Vec3<S>& w) noexcept {
-  Vertex<S, M> v;
+template <class Phase = NoPhase, std::floating_point S, Material M>
+[[nodiscard]] Vertex<S, M, Phase> surface_vertex(const Interaction<S, M>& hit, const Vec3<S>& w) noexcept {
+  Vertex<S, M, Phase> v;
   v.position = hit.point.position;
   v.error = hit.point.error;
   v.ng = hit.ng;
@@ -90,6 +108,7 @@ template <std::floating_point S, Material M>
   v.shading = detail::ShadingFrame<S, k_is_isotropic<M>>(hit.frame);
   v.material = hit.material;
   v.alpha = max_channel(hit.material.albedo());
+  if constexpr (v.k_may_be_in_medium) v.media = hit.media;
   return v;
 }
 

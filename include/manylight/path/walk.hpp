@@ -9,16 +9,9 @@
 #include <optional>
 
 #include "manylight/path/connect.hpp"
+#include "manylight/path/medium_walk.hpp"
 
 namespace manylight {
-
-/// A walk between two vertices.
-template <std::floating_point S>
-struct WalkState {
-  Ray<S> ray;          ///< unit direction
-  Rgb<S> beta{1};      ///< cosine-free throughput at the next vertex
-  Rgb<S> sigma_a{0};   ///< absorption of what the segment runs through, m^-1
-};
 
 /// A drawn direction with the factor by which the throughput changes.
 template <std::floating_point S>
@@ -65,6 +58,21 @@ template <class Scene, SampleStream Stream>
   return sample;
 }
 
+template <class Scene, SampleStream Stream>
+[[nodiscard]] std::optional<ScatterSample<typename Scene::Scalar>> sample_scatter(
+    const MediumInteraction<Scene>& collision, const Vec3<typename Scene::Scalar>& w, Walk /*walk*/, Stream& stream) {
+  using S = typename Scene::Scalar;
+  const auto drawn = collision.phase.sample(w, stream.next_2d());
+  if (!drawn || !(drawn->pdf > S(0))) return std::nullopt;
+  ScatterSample<S> sample;
+  sample.direction = drawn->direction;
+  sample.pdf = drawn->pdf;
+  sample.f = collision.sigma_s * collision.phase.eval(drawn->direction, w);
+  sample.factor = sample.f / drawn->pdf;
+  if (!(max_channel(sample.factor) > S(0)) || !is_finite(sample.factor)) return std::nullopt;
+  return sample;
+}
+
 /// Moves `walk` on from `hit` in the sampled direction.
 template <class Scene>
 void continue_walk(const Scene& scene, WalkState<typename Scene::Scalar>& walk,
@@ -79,19 +87,124 @@ void continue_walk(const Scene& scene, WalkState<typename Scene::Scalar>& walk,
       walk.sigma_a = after < S(0) ? scene.shader(point.shape).interior_absorption() : Rgb<S>(0);
     }
   }
+  if constexpr (Scene::k_has_media) {
+    walk.medium = glm::dot(sample.direction, hit.ng) > S(0) ? hit.media.front : hit.media.back;
+  }
   walk.beta *= sample.factor;
   walk.ray = Ray<S>{offset_origin(point.position, point.error, point.ng, sample.direction), sample.direction};
 }
 
-/// Beer's law along the segment that ends at `point`.
 template <class Scene>
-void absorb(WalkState<typename Scene::Scalar>& walk, const SurfacePoint<typename Scene::Scalar>& point) {
-  if constexpr (Scene::ShaderType::k_may_absorb) {
-    if (is_black(walk.sigma_a)) return;
-    const auto length = glm::length(point.position - walk.ray.origin);
-    walk.beta *= Rgb<typename Scene::Scalar>(std::exp(-walk.sigma_a.x * length), std::exp(-walk.sigma_a.y * length),
-                                             std::exp(-walk.sigma_a.z * length));
-  }
+void continue_walk(const Scene& /*scene*/, WalkState<typename Scene::Scalar>& walk, const MediumInteraction<Scene>& collision,
+                   const ScatterSample<typename Scene::Scalar>& sample) {
+  walk.beta *= sample.factor;
+  walk.ray = {collision.position, sample.direction};
+}
+
+/// Where a walk stands, as one end of a shadow ray.
+template <std::floating_point S, Material M>
+[[nodiscard]] Anchor<S> anchor(const Interaction<S, M>& hit) noexcept {
+  return {hit.point.position, hit.point.error, hit.ng, hit.media};
+}
+template <class Scene>
+[[nodiscard]] Anchor<typename Scene::Scalar> anchor(const MediumInteraction<Scene>& collision) noexcept {
+  using S = typename Scene::Scalar;
+  return {collision.position, S(0), Vec3<S>(0, 0, 1), {collision.medium, collision.medium}};
+}
+
+/// Whether every direction at the vertex is drawn by a Dirac lobe.
+template <std::floating_point S, Material M>
+[[nodiscard]] bool is_delta(const Interaction<S, M>& hit) noexcept {
+  return hit.material.is_delta();
+}
+template <class Scene>
+[[nodiscard]] bool is_delta(const MediumInteraction<Scene>& /*collision*/) noexcept {
+  return false;
+}
+
+/// How much the vertex scatters, what roulette goes by: the albedo's largest channel (1: Dirac lobes alone), or sigma_s.
+template <std::floating_point S, Material M>
+[[nodiscard]] Rgb<S> albedo(const Interaction<S, M>& hit) noexcept {
+  return Rgb<S>(hit.material.is_delta() ? S(1) : max_channel(hit.material.albedo()));
+}
+template <class Scene>
+[[nodiscard]] Rgb<typename Scene::Scalar> albedo(const MediumInteraction<Scene>& collision) noexcept {
+  return collision.sigma_s;
+}
+
+/// Light from `wi` that goes on to `wo` in an eye walk: f |wi.ns|, sr^-1; in a medium sigma_s f_p, m^-1 sr^-1.
+template <std::floating_point S>
+struct Scattered {
+  Rgb<S> value;
+  Rgb<S> f;  ///< without the cosine
+};
+template <std::floating_point S, Material M>
+[[nodiscard]] Scattered<S> scattered(const Interaction<S, M>& hit, const Vec3<S>& wi, const Vec3<S>& wo) noexcept {
+  const Rgb<S> f = scatter(hit.material, hit.frame, hit.ng, wi, wo);
+  return {f * std::abs(glm::dot(wi, hit.frame.n)), f};
+}
+template <class Scene>
+[[nodiscard]] Scattered<typename Scene::Scalar> scattered(const MediumInteraction<Scene>& collision,
+                                                          const Vec3<typename Scene::Scalar>& wi,
+                                                          const Vec3<typename Scene::Scalar>& wo) noexcept {
+  const auto value = collision.sigma_s * collision.phase.eval(wi, wo);
+  return {value, value};
+}
+
+/// Density of `wi` in an eye walk that knows `wo`, sr^-1.
+template <std::floating_point S, Material M>
+[[nodiscard]] S direction_pdf(const Interaction<S, M>& hit, const Vec3<S>& wi, const Vec3<S>& wo) noexcept {
+  return hit.material.pdf(hit.frame.to_local(wo), hit.frame.to_local(wi), Walk::eye);
+}
+template <class Scene>
+[[nodiscard]] auto direction_pdf(const MediumInteraction<Scene>& collision, const Vec3<typename Scene::Scalar>& wi,
+                                 const Vec3<typename Scene::Scalar>& wo) noexcept {
+  return collision.phase.pdf(wi, wo);
+}
+
+/// Largest channels of M and D of an eye vertex, sr^-1: what weights see.
+template <std::floating_point S>
+struct PatternMaxima {
+  S m, d;
+};
+/// `f` of the directions, as in `scattered` and ScatterSample.
+template <std::floating_point S, Material M>
+[[nodiscard]] PatternMaxima<S> pattern_maxima(const Interaction<S, M>& hit, const Vec3<S>& wi, const Vec3<S>& wo,
+                                              const Rgb<S>& f) noexcept {
+  const S value = max_channel(f) / max_channel(hit.material.albedo());
+  return {value * std::abs(glm::dot(wi, hit.frame.n)), value * std::abs(glm::dot(wo, hit.ng))};
+}
+template <class Scene>
+[[nodiscard]] PatternMaxima<typename Scene::Scalar> pattern_maxima(const MediumInteraction<Scene>& collision,
+                                                                   const Vec3<typename Scene::Scalar>& wi,
+                                                                   const Vec3<typename Scene::Scalar>& wo,
+                                                                   const Rgb<typename Scene::Scalar>& /*f*/) noexcept {
+  return {collision.phase.eval(wi, wo), collision.phase.eval(wo, wi)};
+}
+
+/// The vertex where a walk stands, known from `w`, with the strength alpha |w.ns| / |w.ng| of a light walk (`Walk::light`)
+/// or alpha of an eye walk, times the walk's throughput.
+template <class Scene>
+[[nodiscard]] VertexOf<Scene> vertex_at(const Interaction<typename Scene::Scalar, typename Scene::Material>& hit,
+                                        const Vec3<typename Scene::Scalar>& w, Walk walk,
+                                        const Rgb<typename Scene::Scalar>& beta) noexcept {
+  auto v = surface_vertex<typename Scene::Phase>(hit, w);
+  v.strength = beta * v.alpha;
+  if (walk == Walk::light) v.strength *= std::abs(glm::dot(w, hit.frame.n) / glm::dot(w, hit.ng));
+  return v;
+}
+template <class Scene>
+[[nodiscard]] VertexOf<Scene> vertex_at(const MediumInteraction<Scene>& collision, const Vec3<typename Scene::Scalar>& w,
+                                        Walk /*walk*/, const Rgb<typename Scene::Scalar>& beta) noexcept {
+  VertexOf<Scene> v;
+  v.kind = VertexKind::medium;
+  v.position = collision.position;
+  v.w = w;
+  v.alpha = typename Scene::Scalar(1);
+  v.strength = beta * collision.sigma_s;
+  v.phase = collision.phase;
+  v.media = {collision.medium, collision.medium};
+  return v;
 }
 
 }  // namespace manylight

@@ -11,48 +11,20 @@
 #include <vector>
 
 #include "manylight/core/error.hpp"
-#include "manylight/core/frame.hpp"
 #include "manylight/core/sampler.hpp"
 #include "manylight/geometry/concepts.hpp"
 #include "manylight/geometry/offset.hpp"
 #include "manylight/geometry/surface_point.hpp"
 #include "manylight/scene/emitters.hpp"
+#include "manylight/scene/interaction.hpp"
+#include "manylight/scene/scene_media.hpp"
 #include "manylight/scene/shader.hpp"
 
 namespace manylight {
 
-/// Rays traced, by kind; summed over tiles in a fixed order.
-struct RayCounts {
-  std::uint64_t closest = 0;
-  std::uint64_t shadow = 0;
-
-  RayCounts& operator+=(const RayCounts& other) noexcept {
-    closest += other.closest;
-    shadow += other.shadow;
-    return *this;
-  }
-};
-
-/// A surface point with its scattering, turned to the side of the known direction `w` where the shader is two-sided.
-template <std::floating_point S, class M>
-struct Interaction {
-  SurfacePoint<S> point;
-  Vec3<S> ng;  ///< geometric normal, oriented
-  Frame<S> frame;  ///< shading frame, oriented
-  M material;
-};
-
-/// One end of a shadow ray: a point, the error bound of its coordinates (m) and its geometric normal.
-template <std::floating_point S>
-struct Anchor {
-  Vec3<S> position;
-  S error;
-  Vec3<S> ng;
-};
-
 /// The composition: geometry backend, what surfaces are made of, and what emits. World frame, metres. A scene knows at
 /// compile time which effects exist: with a Lambertian shader no gloss, opacity or absorption code is instantiated.
-template <class G, class Shader>
+template <class G, class Shader, class Media = NoMedia>
 class Scene {
   static_assert(Geometry<G>,
                 "manylight::Scene: the first argument must model Geometry: Scalar, closest_hit, any_hit, all_hits, "
@@ -66,14 +38,20 @@ class Scene {
   using Material = typename Shader::Material;
   using GeometryType = G;
   using ShaderType = Shader;
+  using Phase = typename Media::Phase;
+  static constexpr bool k_has_media = Media::k_exist;
+  using ShadowRay = std::conditional_t<k_has_media, MediumRay<Scalar>, Ray<Scalar>>;
+  /// Part of light that passes a segment: one number, or one per channel if there are media.
+  using Passed = std::conditional_t<k_has_media, Rgb<Scalar>, Scalar>;
 
   /// `shader_of_shape[id]` indexes `shaders`. Throws SceneError when the sizes or indices do not fit.
   Scene(G geometry, std::vector<Shader> shaders, std::vector<std::uint32_t> shader_of_shape,
-        EmitterList<Scalar> emitters);
+        EmitterList<Scalar> emitters, Media media = {});
 
   [[nodiscard]] const G& geometry() const noexcept { return geometry_; }
   [[nodiscard]] const Emitters<Scalar>& emitters() const noexcept { return emitters_; }
   [[nodiscard]] const Shader& shader(std::uint32_t shape) const noexcept { return shaders_[shader_of_shape_[shape]]; }
+  [[nodiscard]] const Media& media() const noexcept { return media_; }
   /// Whether any surface lets light through an opacity mask: then shadow rays must look at what blocks them.
   [[nodiscard]] bool has_transparency() const noexcept { return has_transparency_; }
 
@@ -82,43 +60,57 @@ class Scene {
   template <SampleStream Stream>
   [[nodiscard]] std::optional<SurfacePoint<Scalar>> intersect(Ray<Scalar> ray, Stream& stream, RayCounts& rays) const;
 
-  /// Scattering at `point` for the known unit direction `w` (away from the surface).
-  [[nodiscard]] Interaction<Scalar, Material> interaction(const SurfacePoint<Scalar>& point,
-                                                          const Vec3<Scalar>& w) const;
+  /// Scattering at `point` for the known unit direction `w` (away from the surface), which lies in `medium`.
+  [[nodiscard]] Interaction<Scalar, Material> interaction(const SurfacePoint<Scalar>& point, const Vec3<Scalar>& w,
+                                                          MediumId medium = k_vacuum) const;
 
-  /// Part of light that passes the segment between two points: 0 or 1, or the product of (1 - opacity).
-  [[nodiscard]] Scalar visibility(const Anchor<Scalar>& from, const Anchor<Scalar>& to, RayCounts& rays) const;
-  /// The same towards infinity along the unit `direction`.
-  [[nodiscard]] Scalar visibility(const Anchor<Scalar>& from, const Vec3<Scalar>& direction, RayCounts& rays) const;
-  /// The same for many segments at once, by the backend's batches. `passed` is as long as `segments`.
-  void visibility(std::span<const Ray<Scalar>> segments, std::span<Scalar> passed, RayCounts& rays) const;
+  /// The segment from one point to another, or along a unit direction towards infinity, as a shadow ray: ends set off
+  /// from their surfaces.
+  template <class End>
+  [[nodiscard]] static ShadowRay shadow_ray(const Anchor<Scalar>& from, const End& to,
+                                            [[maybe_unused]] std::uint64_t seed = 0) noexcept {
+    const Ray<Scalar> ray = segment(from, to);
+    if constexpr (k_has_media) {
+      return {ray, glm::dot(ray.direction, from.ng) > Scalar(0) ? from.media.front : from.media.back, seed};
+    } else {
+      return ray;
+    }
+  }
+  /// Part of light that passes `ray`: 0 or 1, or the product of (1 - opacity); in media times their transmittance, of
+  /// which it is an unbiased estimate.
+  [[nodiscard]] Passed visibility(const ShadowRay& ray, RayCounts& rays) const;
+  /// The same for many at once, by the backend's batches. `passed` is as long as `segments`.
+  void visibility(std::span<const ShadowRay> segments, std::span<Passed> passed, RayCounts& rays) const;
 
-  /// The segment between two points, and from one towards infinity, as shadow rays: ends set off from their surfaces.
-  [[nodiscard]] static Ray<Scalar> shadow_ray(const Anchor<Scalar>& from, const Anchor<Scalar>& to) noexcept {
-    return segment_ray(from.position, from.error, from.ng, to.position, to.error, to.ng);
-  }
-  [[nodiscard]] static Ray<Scalar> shadow_ray(const Anchor<Scalar>& from, const Vec3<Scalar>& direction) noexcept {
-    return {offset_origin(from.position, from.error, from.ng, direction), direction, Scalar(0), k_infinity<Scalar>};
-  }
+  /// The rest of `ray` behind `point`, with the same end.
+  [[nodiscard]] static Ray<Scalar> beyond(const Ray<Scalar>& ray, const SurfacePoint<Scalar>& point) noexcept;
 
  private:
+  [[nodiscard]] static Ray<Scalar> segment(const Anchor<Scalar>& from, const Anchor<Scalar>& to) noexcept {
+    return segment_ray(from.position, from.error, from.ng, to.position, to.error, to.ng);
+  }
+  [[nodiscard]] static Ray<Scalar> segment(const Anchor<Scalar>& from, const Vec3<Scalar>& direction) noexcept {
+    return {offset_origin(from.position, from.error, from.ng, direction), direction, Scalar(0), k_infinity<Scalar>};
+  }
   [[nodiscard]] Scalar transparency_of_blocked(Ray<Scalar> ray) const;
-  [[nodiscard]] Ray<Scalar> beyond(const Ray<Scalar>& ray, const SurfacePoint<Scalar>& point) const;
+  [[nodiscard]] Passed transmitted(const MediumRay<Scalar>& segment) const;
 
   G geometry_;
   std::vector<Shader> shaders_;
   std::vector<std::uint32_t> shader_of_shape_;
   Emitters<Scalar> emitters_;
   bool has_transparency_ = false;
+  [[no_unique_address]] Media media_;
 };
 
-template <class G, class Shader>
-Scene<G, Shader>::Scene(G geometry, std::vector<Shader> shaders, std::vector<std::uint32_t> shader_of_shape,
-                        EmitterList<Scalar> emitters)
+template <class G, class Shader, class Media>
+Scene<G, Shader, Media>::Scene(G geometry, std::vector<Shader> shaders, std::vector<std::uint32_t> shader_of_shape,
+                        EmitterList<Scalar> emitters, Media media)
     : geometry_(std::move(geometry)),
       shaders_(std::move(shaders)),
       shader_of_shape_(std::move(shader_of_shape)),
-      emitters_(std::move(emitters), geometry_.shapes(), geometry_.bounds()) {
+      emitters_(std::move(emitters), geometry_.shapes(), geometry_.bounds()),
+      media_(std::move(media)) {
   const std::size_t shape_count = geometry_.shapes().size();
   if (shader_of_shape_.size() != shape_count) {
     throw SceneError("shader_of_shape has " + std::to_string(shader_of_shape_.size()) + " entries, allowed: one per shape, " +
@@ -135,9 +127,9 @@ Scene<G, Shader>::Scene(G geometry, std::vector<Shader> shaders, std::vector<std
   }
 }
 
-template <class G, class Shader>
+template <class G, class Shader, class Media>
 template <SampleStream Stream>
-std::optional<SurfacePoint<typename G::Scalar>> Scene<G, Shader>::intersect(Ray<Scalar> ray, Stream& stream,
+std::optional<SurfacePoint<typename G::Scalar>> Scene<G, Shader, Media>::intersect(Ray<Scalar> ray, Stream& stream,
                                                                              RayCounts& rays) const {
   for (;;) {
     ++rays.closest;
@@ -155,52 +147,56 @@ std::optional<SurfacePoint<typename G::Scalar>> Scene<G, Shader>::intersect(Ray<
   }
 }
 
-template <class G, class Shader>
-Interaction<typename G::Scalar, typename Shader::Material> Scene<G, Shader>::interaction(
-    const SurfacePoint<Scalar>& point, const Vec3<Scalar>& w) const {
+template <class G, class Shader, class Media>
+Interaction<typename G::Scalar, typename Shader::Material> Scene<G, Shader, Media>::interaction(
+    const SurfacePoint<Scalar>& point, const Vec3<Scalar>& w, [[maybe_unused]] MediumId medium) const {
   const Shader& surface = shader(point.shape);
   const bool outside = glm::dot(point.ng, w) >= Scalar(0);
   const Scalar side = !outside && surface.is_two_sided() ? Scalar(-1) : Scalar(1);
   Vec3<Scalar> ns = point.ns;
   if constexpr (requires { surface.shading_normal(point); }) ns = surface.shading_normal(point);
-  return {point, point.ng * side, Frame<Scalar>(ns * side, point.dpdu), surface.material(point, outside)};
+  Interaction<Scalar, Material> hit{point, point.ng * side, Frame<Scalar>(ns * side, point.dpdu),
+                                    surface.material(point, outside)};
+  if constexpr (k_has_media) {
+    hit.media = media_.sides(point, medium);
+    if (side < Scalar(0)) std::swap(hit.media.front, hit.media.back);
+  }
+  return hit;
 }
 
-template <class G, class Shader>
-typename G::Scalar Scene<G, Shader>::visibility(const Anchor<Scalar>& from, const Anchor<Scalar>& to,
-                                                RayCounts& rays) const {
+template <class G, class Shader, class Media>
+auto Scene<G, Shader, Media>::visibility(const ShadowRay& ray, RayCounts& rays) const -> Passed {
   ++rays.shadow;
-  const Ray<Scalar> ray = shadow_ray(from, to);
-  return geometry_.any_hit(ray) ? transparency_of_blocked(ray) : Scalar(1);
+  if constexpr (k_has_media) {
+    return transmitted(ray);
+  } else {
+    return geometry_.any_hit(ray) ? transparency_of_blocked(ray) : Scalar(1);
+  }
 }
 
-template <class G, class Shader>
-typename G::Scalar Scene<G, Shader>::visibility(const Anchor<Scalar>& from, const Vec3<Scalar>& direction,
-                                                RayCounts& rays) const {
-  ++rays.shadow;
-  const Ray<Scalar> ray = shadow_ray(from, direction);
-  return geometry_.any_hit(ray) ? transparency_of_blocked(ray) : Scalar(1);
-}
-
-template <class G, class Shader>
-void Scene<G, Shader>::visibility(std::span<const Ray<Scalar>> segments, std::span<Scalar> passed,
-                                  RayCounts& rays) const {
+template <class G, class Shader, class Media>
+void Scene<G, Shader, Media>::visibility(std::span<const ShadowRay> segments, std::span<Passed> passed,
+                                         RayCounts& rays) const {
   MANYLIGHT_ASSERT(segments.size() == passed.size());
-  constexpr std::size_t k_chunk = 256;
-  std::array<std::uint8_t, k_chunk> blocked;
   rays.shadow += segments.size();
-  for (std::size_t begin = 0; begin < segments.size(); begin += k_chunk) {
-    const std::size_t count = std::min(k_chunk, segments.size() - begin);
-    geometry_.any_hit_batch(segments.subspan(begin, count), std::span(blocked.data(), count));
-    for (std::size_t i = 0; i < count; ++i) {
-      passed[begin + i] = blocked[i] != 0 ? transparency_of_blocked(segments[begin + i]) : Scalar(1);
+  if constexpr (k_has_media) {
+    for (std::size_t i = 0; i < segments.size(); ++i) passed[i] = transmitted(segments[i]);
+  } else {
+    constexpr std::size_t k_chunk = 256;
+    std::array<std::uint8_t, k_chunk> blocked;
+    for (std::size_t begin = 0; begin < segments.size(); begin += k_chunk) {
+      const std::size_t count = std::min(k_chunk, segments.size() - begin);
+      geometry_.any_hit_batch(segments.subspan(begin, count), std::span(blocked.data(), count));
+      for (std::size_t i = 0; i < count; ++i) {
+        passed[begin + i] = blocked[i] != 0 ? transparency_of_blocked(segments[begin + i]) : Scalar(1);
+      }
     }
   }
 }
 
 /// What passes a segment that meets some surface: the product of (1 - opacity) over all that it meets.
-template <class G, class Shader>
-typename G::Scalar Scene<G, Shader>::transparency_of_blocked([[maybe_unused]] Ray<Scalar> ray) const {
+template <class G, class Shader, class Media>
+typename G::Scalar Scene<G, Shader, Media>::transparency_of_blocked([[maybe_unused]] Ray<Scalar> ray) const {
   if constexpr (!Shader::k_may_be_transparent) {
     return Scalar(0);
   } else {
@@ -218,15 +214,65 @@ typename G::Scalar Scene<G, Shader>::transparency_of_blocked([[maybe_unused]] Ra
   }
 }
 
-/// The rest of `ray` behind `point`, with the same end.
-template <class G, class Shader>
-Ray<typename G::Scalar> Scene<G, Shader>::beyond(const Ray<Scalar>& ray, const SurfacePoint<Scalar>& point) const {
+template <class G, class Shader, class Media>
+Ray<typename G::Scalar> Scene<G, Shader, Media>::beyond(const Ray<Scalar>& ray,
+                                                        const SurfacePoint<Scalar>& point) noexcept {
   Ray<Scalar> rest = ray;
   rest.origin = offset_origin(point.position, point.error, point.ng, ray.direction);
   const Scalar travelled =
       glm::dot(rest.origin - ray.origin, ray.direction) / glm::dot(ray.direction, ray.direction);
   rest.t_max = ray.t_max - travelled;
   return rest;
+}
+
+/// What passes a segment through media and boundaries. First all surfaces, which may stop everything, then the media.
+template <class G, class Shader, class Media>
+auto Scene<G, Shader, Media>::transmitted(const MediumRay<Scalar>& segment) const -> Passed {
+  struct Piece {
+    Ray<Scalar> ray;
+    MediumId medium;
+  };
+  constexpr std::size_t k_pieces = 16;
+  std::array<Piece, k_pieces> pieces;
+  std::size_t count = 0;
+  Rgb<Scalar> passed(1);
+  IndependentStream<Scalar> stream = IndependentSampler<Scalar>{segment.seed}.stream(Stage::transmittance, 0);
+  const auto through_pieces = [&] {
+    for (std::size_t i = 0; i < count; ++i) {
+      Ray<Scalar> ray = pieces[i].ray;
+      const Scalar length = glm::length(ray.direction);
+      ray.direction /= length;
+      passed *= media_.medium(pieces[i].medium).transmittance(ray, ray.t_max * length, stream);
+    }
+    count = 0;
+  };
+  Piece piece{segment.ray, segment.medium};
+  if (!has_transparency_) {
+    if (geometry_.any_hit(piece.ray)) return Rgb<Scalar>(0);
+    if (piece.medium != k_vacuum) pieces[count++] = piece;
+    through_pieces();
+    return passed;
+  }
+  for (;;) {
+    const std::optional<Hit<Scalar>> hit = geometry_.closest_hit(piece.ray);
+    if (piece.medium != k_vacuum) {
+      if (count == k_pieces) through_pieces();
+      pieces[count++] = piece;
+      if (hit) pieces[count - 1].ray.t_max = hit->t;
+    }
+    if (!hit) break;
+    const SurfacePoint<Scalar> point = surface_point(geometry_.shapes(), piece.ray, *hit);
+    Scalar open = Scalar(0);
+    if constexpr (Shader::k_may_be_transparent) {
+      const Shader& surface = shader(point.shape);
+      if (surface.is_transparent()) open = Scalar(1) - surface.opacity(point);
+    }
+    passed *= open;
+    if (!(open > Scalar(0))) return Rgb<Scalar>(0);
+    piece = {beyond(piece.ray, point), media_.behind(point, piece.ray.direction, piece.medium)};
+  }
+  through_pieces();
+  return passed;
 }
 
 }  // namespace manylight

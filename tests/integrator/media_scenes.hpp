@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "integrator/builders.hpp"
+#include "manylight/geometry/bvh.hpp"
+#include "manylight/media/any_medium.hpp"
+#include "manylight/media/heterogeneous.hpp"
+#include "manylight/media/homogeneous.hpp"
+#include "manylight/scattering/henyey_greenstein.hpp"
+#include "manylight/scattering/lambertian.hpp"
+
+// Scenes with participating media, in double.
+
+namespace manylight::test {
+
+/// Lambertian surfaces and such that only tell two media apart.
+struct FoggyShader {
+  using Material = Lambertian<double>;
+  static constexpr bool k_may_be_transparent = true;
+  static constexpr bool k_may_absorb = false;
+  Material surface{};
+  bool is_open = false;
+
+  [[nodiscard]] Material material(const SurfacePoint<double>&, bool) const noexcept { return surface; }
+  [[nodiscard]] bool is_two_sided() const noexcept { return true; }
+  [[nodiscard]] bool is_transparent() const noexcept { return is_open; }
+  [[nodiscard]] double opacity(const SurfacePoint<double>&) const noexcept { return is_open ? 0 : 1; }
+};
+
+using Fog = Homogeneous<HenyeyGreenstein<double>>;
+using Smoke = Heterogeneous<HenyeyGreenstein<double>>;
+using FoggyMedium = AnyMedium<Fog, Smoke>;
+using FoggyScene = Scene<Bvh<double>, FoggyShader, SceneMedia<FoggyMedium>>;
+
+[[nodiscard]] inline Fog fog(double sigma_a, double sigma_s, double g = 0) {
+  return Fog(Rgb<double>(sigma_a), Rgb<double>(sigma_s), {g});
+}
+/// A medium of density 1 / m all over the box [lo, hi].
+[[nodiscard]] inline Smoke even_smoke(const Vec3<double>& lo, const Vec3<double>& hi, double scale, double albedo,
+                                      double g = 0) {
+  GridPlacement<double> placement;
+  placement.box = Box<double>{lo, hi};
+  GridVolume<double> density({2, 2, 2}, GridVolume<double>::Samples(8, 1.0F), placement);
+  return Smoke(std::move(density), scale, Rgb<double>(albedo), {g});
+}
+
+/// Collects meshes and spheres, what they are made of and what is inside and outside of them.
+class FoggyBuilder {
+ public:
+  using S = double;
+  EmitterList<S> lights;
+  std::vector<FoggyMedium> media;
+  MediumId outside = k_vacuum;
+
+  void mesh(TriangleMesh<S> shape, double albedo, std::optional<MediaSides> sides = {}) {
+    shapes_.meshes.push_back(std::move(shape));
+    meshes_.push_back({{Lambertian<S>{Rgb<S>(albedo)}, false}, sides});
+  }
+  void open_mesh(TriangleMesh<S> shape, const MediaSides& sides) {
+    shapes_.meshes.push_back(std::move(shape));
+    meshes_.push_back({{{}, true}, sides});
+  }
+  void open_sphere(const Vec3<S>& center, S radius, const MediaSides& sides) {
+    shapes_.spheres.push_back({center, radius, false});
+    spheres_.push_back({{{}, true}, sides});
+  }
+  /// A black mesh that emits on the side of its normal.
+  void lamp(TriangleMesh<S> shape, double radiance) {
+    lights.areas.push_back({static_cast<std::uint32_t>(meshes_.size()), Texture<S>(Rgb<S>(radiance)), false});
+    mesh(std::move(shape), 0);
+  }
+  void point_light(const Vec3<S>& position, S intensity) { lights.points.push_back({position, Rgb<S>(intensity)}); }
+
+  [[nodiscard]] FoggyScene build() const {
+    std::vector<FoggyShader> shaders;
+    std::vector<std::optional<MediaSides>> boundaries;
+    std::vector<std::uint32_t> ids;
+    for (const auto* list : {&meshes_, &spheres_}) {
+      for (const Part& part : *list) {
+        ids.push_back(static_cast<std::uint32_t>(shaders.size()));
+        shaders.push_back(part.shader);
+        boundaries.push_back(part.sides);
+      }
+    }
+    return FoggyScene(Bvh<S>(shapes_), shaders, ids, lights, SceneMedia<FoggyMedium>(media, boundaries, outside));
+  }
+
+ private:
+  struct Part {
+    FoggyShader shader;
+    std::optional<MediaSides> sides;
+  };
+  Shapes<S> shapes_;
+  std::vector<Part> meshes_, spheres_;
+};
+
+}  // namespace manylight::test
