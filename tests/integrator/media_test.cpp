@@ -163,8 +163,8 @@ void expect_closed_in(const FoggyMedium& medium, double least) {
   config.c_clamp = 0.02;
   const RunningMoments path = path_means(scene, camera, 1500, 12);
   Numbers numbers;
-  numbers.eye_paths = 16;
-  numbers.vpls = 4000;
+  numbers.eye_paths = 48;
+  numbers.vpls = 2000;
   numbers.ledger_samples = 2000;
   expect_closed(scene, FourConstraints<S>(config), camera, path, numbers, true, least);
   expect_closed(scene, StandardWeighting<S>(config), camera, path, numbers, true, 0.01);
