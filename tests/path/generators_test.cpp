@@ -126,14 +126,14 @@ TEST(Generators, AllSplitsOfAPathGiveTheSameValue) {
       Rgb<S> beta(1);
       for (int j = 1; j < k; ++j) {
         const Node& n = nodes[static_cast<std::size_t>(j - 1)];
-        const V v = surface_vertex(interaction_of(n), -wi(j - 1));
+        const V v = surface_vertex<V>(interaction_of(n), -wi(j - 1));
         // p(psi) = p_area d^2 / |omega . ng| of the next vertex, with p_area = 1.
         const Vec3<S> arriving = -wi(j);
         const S pdf = squared(j) / std::abs(glm::dot(arriving, nodes[static_cast<std::size_t>(j)].ng));
         beta *= sensor_patterns(v, wi(j)).m * v.alpha / pdf;
       }
       const Node& sensor_node = nodes[static_cast<std::size_t>(k - 1)];
-      V sensor = surface_vertex(interaction_of(sensor_node), -wi(k - 1));
+      V sensor = surface_vertex<V>(interaction_of(sensor_node), -wi(k - 1));
       sensor.strength = beta * sensor.alpha;
 
       // Light part down to v_{k+1}.
@@ -148,7 +148,7 @@ TEST(Generators, AllSplitsOfAPathGiveTheSameValue) {
         Rgb<S> power(glm::dot(-wi(inner), light_ng) * std::abs(glm::dot(wi(inner), nodes.back().ng)) / squared(inner));
         for (int j = inner; j > k + 1; --j) {
           const Node& n = nodes[static_cast<std::size_t>(j - 1)];
-          const V v = surface_vertex(interaction_of(n), wi(j));
+          const V v = surface_vertex<V>(interaction_of(n), wi(j));
           const Node& next = nodes[static_cast<std::size_t>(j - 2)];
           const Vec3<S> wo = -wi(j - 1);
           const S pdf = squared(j - 1) / std::abs(glm::dot(wi(j - 1), next.ng));
@@ -158,7 +158,7 @@ TEST(Generators, AllSplitsOfAPathGiveTheSameValue) {
           power = intensity * light_pattern(v, wo) / pdf;
         }
         const Node& n = nodes[static_cast<std::size_t>(k)];
-        vpl = surface_vertex(interaction_of(n), wi(k + 1));
+        vpl = surface_vertex<V>(interaction_of(n), wi(k + 1));
         vpl.strength = power * (vpl.alpha * std::abs(glm::dot(wi(k + 1), n.ns)) / std::abs(glm::dot(wi(k + 1), n.ng)));
       }
       const Pair<S> pair = connect(sensor, vpl, S(1));
@@ -236,7 +236,7 @@ TEST(Generators, RolesOfDirectionsNeverSwap) {
   for (int n = 0; n < 100; ++n) {
     const Vec3<S> known = random.above(hit.ng, hit.ng);
     const Vec3<S> other = random.above(hit.ng, hit.ng);
-    const Vertex<S, OneWay> v = surface_vertex(hit, known);                       // alpha = 0.5
+    const auto v = surface_vertex<Vertex<S, OneWay>>(hit, known);                       // alpha = 0.5
     EXPECT_NEAR(sensor_patterns(v, other).m.x, f(other) * other.z / 0.5, 1e-14);  // rounding, here and below
     EXPECT_NEAR(sensor_patterns(v, other).d, f(other) * known.z / 0.5, 1e-14);
     EXPECT_NEAR(light_pattern(v, other).x, f(known) * other.z / 0.5, 1e-14);

@@ -37,7 +37,7 @@ void check_patterns(const M& material, S tolerance) {
     hit.material = material;
     const Vec3<S> w = random.above(hit.ng, hit.frame.n);
     const Vec3<S> other = random.above(hit.ng, hit.frame.n);
-    const Vertex<S, M> v = surface_vertex(hit, w);
+    const auto v = surface_vertex<Vertex<S, M>>(hit, w);
     const Rgb<S> f = material.eval(hit.frame.to_local(other), hit.frame.to_local(w));
     const Rgb<S> m = f * (std::abs(glm::dot(other, hit.frame.n)) / v.alpha);
     const Rgb<S> d =

@@ -39,6 +39,13 @@ struct PatternProfile {
   bool is_flat = true;                                   ///< the same at all angles: nobody needs the axis
   bool has_both_sides = false;                           ///< f may be positive for wi.z < 0
 
+  /// The same at all angles: f, sr^-1, with the cosine or, if every direction counts as the normal, without.
+  [[nodiscard]] static PatternProfile flat(S f) noexcept {
+    PatternProfile profile;
+    profile.eval.fill(f);
+    profile.eval_cos.fill(f);
+    return profile;
+  }
   /// Bound at all wi with cosines of at most `to_axis` with the lobe's axis and at most `to_normal`, positive, with the
   /// normal (or its opposite, if f has both sides).
   [[nodiscard]] S sup(S to_axis, S to_normal) const noexcept {

@@ -73,7 +73,8 @@ struct PilotVisitor {
       const S probability = static_cast<S>(luminance(light.strength) / static_cast<S>(picker.total()));
       std::uint64_t seed = 0;
       if constexpr (Scene::k_has_media) seed = random_bits(stream);
-      const auto passed = scene.visibility(shadow_ray<Scene>(vps.vertex, light, seed), rays);
+      typename Scene::Passed passed(1);
+      if (!vps.vertex.is_inner()) passed = scene.visibility(shadow_ray<Scene>(vps.vertex, light, seed), rays);
       const Rgb<S> value = vps.vertex.strength * transfer.value * light.strength * passed /
                            (probability * static_cast<S>(count));
       if (is_valid_radiance(value)) sum += static_cast<double>(luminance(value));

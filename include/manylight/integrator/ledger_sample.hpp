@@ -74,6 +74,12 @@ class LedgerVisitor {
     if (!sample.is_delta) step_ = pattern_maxima(hit, sample.direction, wo, sample.f);
   }
 
+  void pass_below(S m, S d, S t, const Vec3<S>& position) {
+    shares_.leave(m, d, t);
+    position_ = position;
+    ++edges_;
+  }
+
  private:
   [[nodiscard]] static S squared_length(const Vec3<S>& v) noexcept { return glm::dot(v, v); }
   [[nodiscard]] S transit_from_infinity() const noexcept { return S(1) / sqr(scene_.emitters().scene_radius()); }

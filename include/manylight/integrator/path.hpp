@@ -64,7 +64,9 @@ class PathIntegrator {
   ///  - `environment(radiance)`: the path that leaves the scene;
   ///  - `direct(radiance, hit, wo, light, f)`: the path that ends at a light drawn for that vertex, an Interaction or a
   ///    MediumInteraction, f the BSDF, sr^-1, or sigma_s f_p;
-  ///  - `leave(hit, wo, sample)`: the walk goes on from that vertex.
+  ///  - `leave(hit, wo, sample)`: the walk goes on from that vertex;
+  ///  - `pass_below(m, d, t, position)`: it goes through an object to its next vertex, with the M and D of the one it stood
+  ///    at (sr^-1) and the segment's T (m^-2).
   template <SampleStream Stream, class Visitor>
   void trace(const Ray<S>& ray, Stream& stream, RayCounts& rays, Visitor& visitor) const;
 
@@ -86,6 +88,7 @@ class PathIntegrator {
     }
     template <class Hit>
     void leave(const Hit&, const Vec3<S>&, const ScatterSample<S>&) const noexcept {}
+    void pass_below(S, S, S, const Vec3<S>&) const noexcept {}
   };
 
   [[nodiscard]] static S share(S own, S other) noexcept { return own / (own + other); }
@@ -94,6 +97,13 @@ class PathIntegrator {
   template <class Hit, SampleStream Stream, class Visitor>
   [[nodiscard]] bool bounce_at(const Hit& hit, WalkState<S>& walk, unsigned edges, Bounce& bounce, Stream& stream,
                                RayCounts& rays, Visitor& visitor) const;
+  template <class Hit, SampleStream Stream, class Visitor>
+  [[nodiscard]] bool scatter_at(const Hit& hit, WalkState<S>& walk, unsigned edges, Bounce& bounce, Stream& stream,
+                                Visitor& visitor) const;
+  template <class Hit, SampleStream Stream, class Visitor>
+  [[nodiscard]] bool bounce_with_below(const Hit& hit, const Submersion<Scene>& submersion, WalkState<S>& walk,
+                                       unsigned& edges, Bounce& bounce, Stream& stream, RayCounts& rays,
+                                       Visitor& visitor) const;
   template <class Hit, SampleStream Stream, class Visitor>
   void direct(const Rgb<S>& beta, const Hit& hit, const Vec3<S>& wo, Stream& stream, RayCounts& rays,
               Visitor& visitor) const;
@@ -123,8 +133,36 @@ void PathIntegrator<Scene>::trace(const Ray<S>& ray, Stream& stream, RayCounts& 
     const Vec3<S> wo = -walk.ray.direction;
     visitor.emission(walk.beta * emission(point, wo, bounce), point, wo);
     if (edges == config_.max_edges) break;
-    if (!bounce_at(scene_.interaction(point, wo, walk.medium), walk, edges, bounce, stream, rays, visitor)) break;
+    const auto hit = scene_.interaction(point, wo, walk.medium);
+    if constexpr (Scene::k_has_subsurface) {
+      if (const auto* below = subsurface_at(scene_, hit, wo)) {
+        const Submersion<Scene> submersion(hit, *below, wo);
+        if (!bounce_with_below(hit, submersion, walk, edges, bounce, stream, rays, visitor)) break;
+        continue;
+      }
+    }
+    if (!bounce_at(hit, walk, edges, bounce, stream, rays, visitor)) break;
   }
+}
+
+/// A surface that also scatters below: the walk takes one of the ways. Below, the path's next vertex is where it comes out.
+template <class Scene>
+template <class Hit, SampleStream Stream, class Visitor>
+bool PathIntegrator<Scene>::bounce_with_below(const Hit& hit, const Submersion<Scene>& submersion, WalkState<S>& walk,
+                                              unsigned& edges, Bounce& bounce, Stream& stream, RayCounts& rays,
+                                              Visitor& visitor) const {
+  const S probability = submersion.probability();
+  const Vec3<S> wo = -walk.ray.direction;
+  if (!is_delta(hit)) direct(walk.beta, hit, wo, stream, rays, visitor);
+  if (!(stream.next() < probability)) {
+    walk.beta /= S(1) - probability;
+    return scatter_at(hit, walk, edges, bounce, stream, visitor);
+  }
+  const auto passage = submersion.pass(scene_, stream, rays);
+  if (!passage) return false;
+  visitor.pass_below(k_inv_pi<S>, submersion.own_pattern(), passage->transit, passage->out.point.position);
+  walk.beta *= passage->factor / probability;
+  return ++edges < config_.max_edges && bounce_at(passage->out, walk, edges, bounce, stream, rays, visitor);
 }
 
 /// Light drawn for the vertex, then the next direction; false where the walk ends.
@@ -132,8 +170,15 @@ template <class Scene>
 template <class Hit, SampleStream Stream, class Visitor>
 bool PathIntegrator<Scene>::bounce_at(const Hit& hit, WalkState<S>& walk, unsigned edges, Bounce& bounce, Stream& stream,
                                       RayCounts& rays, Visitor& visitor) const {
+  if (!is_delta(hit)) direct(walk.beta, hit, -walk.ray.direction, stream, rays, visitor);
+  return scatter_at(hit, walk, edges, bounce, stream, visitor);
+}
+
+template <class Scene>
+template <class Hit, SampleStream Stream, class Visitor>
+bool PathIntegrator<Scene>::scatter_at(const Hit& hit, WalkState<S>& walk, unsigned edges, Bounce& bounce,
+                                       Stream& stream, Visitor& visitor) const {
   const Vec3<S> wo = -walk.ray.direction;
-  if (!is_delta(hit)) direct(walk.beta, hit, wo, stream, rays, visitor);
   const std::optional<ScatterSample<S>> sample = sample_scatter<Scene>(hit, wo, Walk::eye, stream);
   if (!sample) return false;
   if (!sample->is_delta) bounce = {anchor(hit).position, sample->pdf, true};

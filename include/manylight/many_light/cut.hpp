@@ -163,7 +163,14 @@ void CutSum<Scene, W, B>::start(const std::vector<Sensor<Scene, W>>& sensors, co
   settled_count_ = 0;
   settled_ = Rgb<double>(0);
   total_ = known;
-  for (const std::uint32_t root : lights_.roots()) parts_.add(CutPart<S>::k_new, 0, root);
+  for (const std::uint32_t sensor_root : gather_.roots()) {
+    for (const std::uint32_t light_root : lights_.roots()) {
+      if constexpr (Scene::k_has_subsurface) {
+        if (parts_.channel(sensor_root) != lights_.channel(light_root)) continue;
+      }
+      parts_.add(CutPart<S>::k_new, sensor_root, light_root);
+    }
+  }
   place_parts();
 }
 
@@ -267,6 +274,7 @@ void CutSum<Scene, W, B>::evaluate_pending() {
     if (max_channel(transfer.value) > pending.bound * S(1.00001)) ++statistics_.bound_violations;  // rounding of products
     c.unit = transfer.value * (sensor.vertex.strength / luminance(sensor.vertex.strength)) *
              (light.strength / luminance(light.strength));
+    if (sensor.vertex.is_inner()) continue;  // through the object, no shadow ray
     // A pair that is met again must find the same transmittance.
     rays_.push_back(shadow_ray<Scene>(sensor.vertex, light, key_ ^ mix_bits((std::uint64_t{c.sensor} << 32) | c.vpl)));
   }
@@ -277,7 +285,7 @@ void CutSum<Scene, W, B>::evaluate_pending() {
   for (const Pending& pending : pending_) {
     Cluster& c = clusters_[pending.cluster];
     if (!is_black(c.unit)) {
-      c.unit *= visible_[ray++];
+      if (!gather_.sensor_of_leaf(c.sensor).vertex.is_inner()) c.unit *= visible_[ray++];
       total_ += estimate(c);
     }
     place(pending.cluster, pending.error);

@@ -67,9 +67,14 @@ class CutParts {
     parts_.clear();
     bounds_.clear();
   }
+  /// Channel of a gather node's sensors.
+  [[nodiscard]] std::uint32_t channel(std::uint32_t gather) const noexcept {
+    return gather_.sensor_of_leaf(gather_.node(gather).leaves.begin).vertex.channel();
+  }
   void add(std::uint32_t cluster, std::uint32_t gather, std::uint32_t light) {
     if (leaves_.size() == parts_.size()) leaves_.emplace_back();
     bounds_.add(gather_.node(gather), lights_.node(light, leaves_[parts_.size()]));
+    if constexpr (Scene::k_has_subsurface) bounds_.set_object(subsurface(gather));
     parts_.push_back({cluster, {gather, light, S(0), false, {}}, S(0), S(0)});
   }
   /// All parts in the order they were added.
@@ -89,10 +94,16 @@ class CutParts {
   }
 
  private:
+  /// What the sensors of inner vertices of a gather node look through, else null.
+  [[nodiscard]] const typename Scene::Subsurface* subsurface(std::uint32_t gather) const noexcept {
+    const VertexOf<Scene>& v = gather_.sensor_of_leaf(gather_.node(gather).leaves.begin).vertex;
+    return v.is_inner() ? v.below : nullptr;
+  }
+
   const GatherTree<Scene, W>& gather_;
   const LightTree<Scene>& lights_;
   std::vector<CutPart<S>> parts_;
-  PairBounds<S> bounds_;
+  PairBounds<S, typename Scene::Subsurface> bounds_;
   std::deque<typename LightTree<Scene>::Leaf> leaves_;  ///< light nodes of parts, which stay in place
 };
 

@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
 #include <vector>
 
 #include "manylight/bounds/box_pair.hpp"
@@ -63,6 +64,8 @@ class GatherTree {
 
   [[nodiscard]] const GatherNode<S>& node(std::uint32_t i) const noexcept { return nodes_[i]; }
   [[nodiscard]] std::size_t size() const noexcept { return nodes_.size(); }
+  /// One tree per channel of the sensors (see Vertex::channel).
+  [[nodiscard]] const std::vector<std::uint32_t>& roots() const noexcept { return roots_; }
 
   /// The sensor at a place of the leaf order.
   [[nodiscard]] const Sensor<Scene, W>& sensor_of_leaf(std::uint32_t leaf) const noexcept {
@@ -88,9 +91,14 @@ class GatherTree {
   template <MapsPatterns B>
   void add_maps(const W& weighting, const B& bounds);
 
+  template <class B>
+  void append_tree(std::vector<ClusterItem<S>>& group, const W& weighting, const B& bounds);
+
   const std::vector<Sensor<Scene, W>>* sensors_ = nullptr;
   std::vector<ClusterItem<S>> items_;
+  std::vector<ClusterItem<S>> group_;  ///< scratch memory
   std::vector<GatherNode<S>> nodes_;
+  std::vector<std::uint32_t> roots_;
   std::vector<CubeMap<S>> maps_;  ///< one per node, or unused
   Representatives<S> representatives_;
 };
@@ -100,21 +108,48 @@ template <PatternBounds<typename Scene::Material> B>
 void GatherTree<Scene, W>::build(const std::vector<Sensor<Scene, W>>& sensors, const W& weighting, const B& bounds) {
   sensors_ = &sensors;
   items_.clear();
-  for (std::size_t i = 0; i < sensors.size(); ++i) {
-    const VertexOf<Scene>& v = sensors[i].vertex;
-    const Vec3<S> axis = v.is_in_medium() ? Vec3<S>(0) : v.shading.normal();
-    items_.push_back({v.position, axis, luminance(v.strength), static_cast<std::uint32_t>(i)});
-  }
-  const std::vector<ClusterNode> clusters = split_clusters(items_, SerialExecutor{});
+  nodes_.clear();
+  roots_.clear();
   representatives_.clear();
-  representatives_.append(items_);
-  nodes_.assign(clusters.size(), {});
-  for (std::size_t i = clusters.size(); i-- > 0;) {
-    nodes_[i] = clusters[i].is_leaf ? leaf(weighting, bounds, clusters[i].first) : combine(clusters[i].first);
+  const auto item = [](const Sensor<Scene, W>& sensor, std::uint32_t id) {
+    const VertexOf<Scene>& v = sensor.vertex;
+    const Vec3<S> axis = v.is_in_medium() ? Vec3<S>(0) : v.pattern_normal();
+    return ClusterItem<S>{v.position, axis, luminance(v.strength), id};
+  };
+  if constexpr (!VertexOf<Scene>::k_may_be_subsurface) {
+    std::vector<ClusterItem<S>>& all = group_;
+    all.clear();
+    for (std::uint32_t i = 0; i < sensors.size(); ++i) all.push_back(item(sensors[i], i));
+    append_tree(all, weighting, bounds);
+  } else {
+    std::map<std::uint32_t, std::vector<ClusterItem<S>>> groups;
+    for (std::uint32_t i = 0; i < sensors.size(); ++i) {
+      groups[sensors[i].vertex.channel()].push_back(item(sensors[i], i));
+    }
+    for (auto& [channel, group] : groups) append_tree(group, weighting, bounds);
   }
   if constexpr (MapsPatterns<B>) {
     // Flat patterns are bounded by their cosine well enough.
-    if (bounds.makes_maps() && !nodes_[0].pattern.is_flat) add_maps(weighting, bounds);
+    const bool all_flat =
+        std::all_of(roots_.begin(), roots_.end(), [&](std::uint32_t root) { return nodes_[root].pattern.is_flat; });
+    if (bounds.makes_maps() && !all_flat) add_maps(weighting, bounds);
+  }
+}
+
+/// The nodes of one tree, in the order of its clusters, which puts children behind their parent.
+template <class Scene, class W>
+template <class B>
+void GatherTree<Scene, W>::append_tree(std::vector<ClusterItem<S>>& group, const W& weighting, const B& bounds) {
+  const std::vector<ClusterNode> clusters = split_clusters(group, SerialExecutor{});
+  const auto first_item = static_cast<std::uint32_t>(items_.size());
+  const auto first_node = static_cast<std::uint32_t>(nodes_.size());
+  items_.insert(items_.end(), group.begin(), group.end());
+  representatives_.append(group);
+  roots_.push_back(first_node);
+  nodes_.resize(first_node + clusters.size());
+  for (std::size_t i = clusters.size(); i-- > 0;) {
+    nodes_[first_node + i] = clusters[i].is_leaf ? leaf(weighting, bounds, first_item + clusters[i].first)
+                                                 : combine(first_node + clusters[i].first);
   }
 }
 
@@ -131,12 +166,20 @@ GatherNode<typename Scene::Scalar> GatherTree<Scene, W>::leaf(const W& weighting
   node.saturation = saturation(v.strength);
   node.cap = limit.cap < k_infinity<S> ? limit.cap * limit.factor : k_infinity<S>;
   node.remaining = limit.remaining;
-  if constexpr (v.k_may_be_in_medium) {
+  if constexpr (VertexOf<Scene>::k_may_be_in_medium) {
     if (v.is_in_medium()) {
       // No cosine: any direction is the normal. The axis is the way straight on.
       node.pattern = phase_profile(bounds, v.phase, v.w);
       node.pattern.scale(limit.factor);
       node.lobes = DirectionCone<S>::of(-v.w);
+      return node;
+    }
+  }
+  if constexpr (VertexOf<Scene>::k_may_be_subsurface) {
+    if (v.is_outer() || v.is_inner()) {
+      node.pattern = PatternProfile<S>::flat(k_inv_pi<S> * limit.factor);
+      if (v.is_outer()) node.normals = DirectionCone<S>::of(v.ng);  // from inside, all directions are alike
+      node.lobes = node.normals;
       return node;
     }
   }
@@ -182,8 +225,8 @@ void GatherTree<Scene, W>::add_maps(const W& weighting, const B& bounds) {
     if (node.is_leaf) {
       const Sensor<Scene, W>& sensor = sensor_of_leaf(node.leaves.begin);
       const VertexOf<Scene>& v = sensor.vertex;
-      if constexpr (v.k_may_be_in_medium) {
-        if (v.is_in_medium()) continue;  // its profile will do
+      if constexpr (VertexOf<Scene>::k_may_be_in_medium || VertexOf<Scene>::k_may_be_subsurface) {
+        if (v.kind != VertexKind::surface) continue;  // its profile will do
       }
       const S factor = weighting.limit(sensor.record).factor / v.alpha;
       build_sensor_map(bounds, v.material, v.shading.frame(), v.w, factor, maps_[i]);

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <map>
 #include <span>
 #include <vector>
 
@@ -41,16 +42,18 @@ struct LightNode {
 };
 
 /// Bound of D of one VPL; materials are bounded by `bounds`.
-template <std::floating_point S, Material M, class Phase, PatternBounds<M> B>
-[[nodiscard]] inline LightPeak<S> vpl_pattern(const Vertex<S, M, Phase>& v, const B& bounds) noexcept {
+template <AnyVertex V, class B, std::floating_point S = typename V::Scalar>
+[[nodiscard]] inline LightPeak<S> vpl_pattern(const V& v, const B& bounds) noexcept {
   switch (v.kind) {
     case VertexKind::medium:
-      if constexpr (v.k_may_be_in_medium) return {bounds.sup_phase(v.phase, DirectionSet<S>(), v.w), false};
+      if constexpr (V::k_may_be_in_medium) return {bounds.sup_phase(v.phase, DirectionSet<S>(), v.w), false};
       break;
     case VertexKind::surface: {
       const LightPeak<S> f = light_peak(bounds, v.material, v.shading.frame().to_local(v.w));
       return {f.peak / v.alpha, f.has_both_sides};
     }
+    case VertexKind::subsurface_outer:
+    case VertexKind::subsurface_inner:
     case VertexKind::area_emitter:
       return {k_inv_pi<S>, false};
     case VertexKind::two_sided_area_emitter:
@@ -80,6 +83,12 @@ template <std::floating_point S, class Directions>
   return sup_light_pattern_at(node, cosine, limit);
 }
 
+/// Whether D depends on an angle to `v.ng`.
+template <AnyVertex V>
+[[nodiscard]] inline bool has_normal(const V& v) noexcept {
+  return v.kind != VertexKind::point_emitter && !v.is_infinite() && !v.is_in_medium() && !v.is_inner();
+}
+
 template <class Scene>
 class LightTree {
  public:
@@ -105,6 +114,10 @@ class LightTree {
   }
   [[nodiscard]] LightNode<S> node(std::uint32_t id) const noexcept {
     return is_leaf(id) ? leaf_node(id & ~k_leaf) : nodes_[id];
+  }
+  /// Channel of the VPLs of a root (see Vertex::channel).
+  [[nodiscard]] std::uint32_t channel(std::uint32_t root) const noexcept {
+    return vpls_[is_leaf(root) ? root & ~k_leaf : nodes_[root].leaves.begin].channel();
   }
   /// All VPLs, in leaf order.
   [[nodiscard]] std::span<const VertexOf<Scene>> vpls() const noexcept { return vpls_; }
@@ -163,16 +176,18 @@ LightTree<Scene>::LightTree(std::vector<VertexOf<Scene>> vpls, const Exec& execu
   vpls_.reserve(vpls.size());
   peaks_.reserve(vpls.size());
   std::vector<ClusterItem<S>> groups[3];
+  std::map<std::uint32_t, std::vector<ClusterItem<S>>> below;  // by channel
   for (std::size_t i = 0; i < vpls.size(); ++i) {
     const VertexOf<Scene>& v = vpls[i];
-    const bool has_axis = !v.is_infinite() && v.kind != VertexKind::point_emitter && !v.is_in_medium();
-    const Vec3<S> axis = has_axis ? v.ng : Vec3<S>(0);
+    const ClusterItem<S> item{v.position, has_normal(v) ? v.ng : Vec3<S>(0), luminance(v.strength),
+                              static_cast<std::uint32_t>(i)};
     const int group = v.exact ? (v.is_infinite() ? 1 : 2) : (v.is_infinite() ? 1 : 0);
-    groups[group].push_back({v.position, axis, luminance(v.strength), static_cast<std::uint32_t>(i)});
+    (v.is_inner() ? below[v.channel()] : groups[group]).push_back(item);
   }
   for (std::vector<ClusterItem<S>>& group : groups) {
     if (!group.empty()) append_tree(group, split_clusters(group, executor), vpls, bounds);
   }
+  for (auto& [channel, group] : below) append_tree(group, split_clusters(group, executor), vpls, bounds);
 }
 
 /// The nodes of one tree, in the order of `clusters`, which puts children behind their parent, without the leaves.
@@ -217,9 +232,7 @@ LightNode<typename Scene::Scalar> LightTree<Scene>::leaf_node(std::uint32_t leaf
   node.peak = std::abs(peaks_[leaf]);
   node.is_two_sided = peaks_[leaf] < S(0);
   // An emitter without a normal keeps the full cone: its D does not depend on the direction.
-  const bool has_normal =
-      v.kind != VertexKind::point_emitter && v.kind != VertexKind::infinite_emitter && !v.is_in_medium();
-  if (has_normal) node.normals = DirectionCone<S>::of(v.ng);
+  if (has_normal(v)) node.normals = DirectionCone<S>::of(v.ng);
   if (v.kind == VertexKind::spot_emitter) node.cos_cutoff = std::cos(v.w.y) - S(8) * std::numeric_limits<S>::epsilon();
   return node;
 }

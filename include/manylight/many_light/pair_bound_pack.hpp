@@ -14,12 +14,14 @@
 namespace manylight {
 
 /// A list of cluster pairs and their bounds; keeps its memory from list to list.
-template <std::floating_point S>
+template <std::floating_point S, class Subsurface = NoSubsurface>
 class PairBounds {
  public:
   void clear() noexcept { pairs_.clear(); }
   /// Appends a pair. The nodes must stay where they are until the bounds are evaluated.
   void add(const GatherNode<S>& gather, const LightNode<S>& light);
+  /// Of the last pair: what its inner vertices are connected through, or null.
+  void set_object(const Subsurface* below) { pairs_.back().below = below; }
   void evaluate(const PairLimits<S>& limits);
 
   [[nodiscard]] std::size_t size() const noexcept { return pairs_.size(); }
@@ -38,6 +40,7 @@ class PairBounds {
     const LightNode<S>* light;
     S bound;
     bool splits_gather;
+    const Subsurface* below;
   };
   /// What is computed in packs, of consecutive pairs. Lanes without a pair, or without a lobe, hold anything.
   struct Lanes {
@@ -62,11 +65,11 @@ class PairBounds {
   std::vector<Lanes> lanes_;
 };
 
-template <std::floating_point S>
-void PairBounds<S>::add(const GatherNode<S>& gather, const LightNode<S>& light) {
+template <std::floating_point S, class Subsurface>
+void PairBounds<S, Subsurface>::add(const GatherNode<S>& gather, const LightNode<S>& light) {
   const std::size_t lane = pairs_.size() % k_lanes;
   const std::size_t pack = pairs_.size() / k_lanes;
-  pairs_.push_back({&gather, &light, S(0), false});
+  pairs_.push_back({&gather, &light, S(0), false, nullptr});
   if (pack == lanes_.size()) lanes_.emplace_back();
   Lanes& lanes = lanes_[pack];
   if (lane == 0) lanes.has_lobes = lanes.has_both_sides = lanes.is_two_sided = false;
@@ -81,14 +84,14 @@ void PairBounds<S>::add(const GatherNode<S>& gather, const LightNode<S>& light) 
   lanes.has_lobes = true;
 }
 
-template <std::floating_point S>
-void PairBounds<S>::evaluate(const PairLimits<S>& limits) {
+template <std::floating_point S, class Subsurface>
+void PairBounds<S, Subsurface>::evaluate(const PairLimits<S>& limits) {
   for (std::size_t first = 0; first < pairs_.size(); first += k_lanes) evaluate(lanes_[first / k_lanes], first, limits);
 }
 
 /// Sizes of both sides as splits_gather compares them.
-template <std::floating_point S>
-typename PairBounds<S>::Sizes PairBounds<S>::sizes(const Lanes& lanes,
+template <std::floating_point S, class Subsurface>
+typename PairBounds<S, Subsurface>::Sizes PairBounds<S, Subsurface>::sizes(const Lanes& lanes,
                                                    const detail::BoxDirectionsPack<S>& to_light) noexcept {
   using detail::Pack;
   const Pack<S> of_normals = detail::spread(lanes.normals);
@@ -99,8 +102,8 @@ typename PairBounds<S>::Sizes PairBounds<S>::sizes(const Lanes& lanes,
           of_normals * S(2), light};
 }
 
-template <std::floating_point S>
-void PairBounds<S>::evaluate(const Lanes& lanes, std::size_t first, const PairLimits<S>& limits) {
+template <std::floating_point S, class Subsurface>
+void PairBounds<S, Subsurface>::evaluate(const Lanes& lanes, std::size_t first, const PairLimits<S>& limits) {
   using detail::Pack;
   const detail::BoxPack<S> vectors = difference(lanes.gather, lanes.light);
   const detail::BoxDirectionsPack<S> to_light(vectors);
@@ -126,7 +129,11 @@ void PairBounds<S>::evaluate(const Lanes& lanes, std::size_t first, const PairLi
     const S from_normal = light.is_two_sided ? std::max(light_front[i], light_back[i]) : light_front[i];
     const S d = sup_light_pattern_at(light, from_normal, limits.light);
     if (!(m > S(0) && d > S(0))) continue;
-    const S distance = light.is_infinite ? sqr(limits.scene_radius) : squared[i];
+    S distance = light.is_infinite ? sqr(limits.scene_radius) : squared[i];
+    if constexpr (!std::is_same_v<Subsurface, NoSubsurface>) {
+      // T = pi g(d) in place of 1 / d^2.
+      if (pair.below != nullptr) distance = S(1) / pair.below->sup_transit(std::sqrt(squared[i]));
+    }
     pair.bound = product_bound(gather, light, m, d, distance, limits);
   }
 }

@@ -63,6 +63,10 @@ class BruteForceSum {
             unoccluded_transfer<Scene>(weighting_, sensor, light, scene_.emitters().scene_radius(), max_edges_);
         if (!transfer.is_valid) ++result.statistics.invalid;
         if (is_black(transfer.value)) continue;
+        if (sensor.vertex.is_inner()) {  // through the object, no shadow ray
+          result.radiance += Rgb<double>(sensor.vertex.strength * transfer.value * light.strength);
+          continue;
+        }
         batch.rays.push_back(shadow_ray<Scene>(sensor.vertex, light, ++seed));
         batch.values.push_back(sensor.vertex.strength * transfer.value * light.strength);
         if (batch.rays.size() == k_batch) flush(batch, result);

@@ -37,36 +37,51 @@ template <std::floating_point S, Material M>
   return material.eval(wi_local, wo_local);
 }
 
+namespace detail {
+/// Pattern of an outer vertex towards `w` on the side of its normal, M or D: the cosine and what the interface lets through.
+template <class V>
+[[nodiscard]] inline typename V::Scalar outer_pattern(const V& v, const Vec3<typename V::Scalar>& w) noexcept {
+  return v.below->pattern(glm::dot(w, v.ng));
+}
+}  // namespace detail
+
 /// Both patterns of a VPS for the light-side direction `wi`.
 template <std::floating_point S>
 struct SensorPatterns {
   Rgb<S> m;  ///< M(wi), sr^-1 per channel
   S d;       ///< largest channel of the vertex's own D towards `wo`, sr^-1: weights of the segment before need it
 };
-template <std::floating_point S, Material M, class Phase>
-[[nodiscard]] inline SensorPatterns<S> sensor_patterns(const Vertex<S, M, Phase>& v, const Vec3<S>& wi) noexcept {
-  if constexpr (v.k_may_be_in_medium) {
+template <AnyVertex V, std::floating_point S = typename V::Scalar>
+[[nodiscard]] inline SensorPatterns<S> sensor_patterns(const V& v, const Vec3<S>& wi) noexcept {
+  if constexpr (V::k_may_be_in_medium) {
     if (v.is_in_medium()) return {Rgb<S>(v.phase.eval(wi, v.w)), v.phase.eval(v.w, wi)};
+  }
+  if constexpr (V::k_may_be_subsurface) {
+    if (v.is_outer()) return {Rgb<S>(detail::outer_pattern(v, wi)), k_inv_pi<S>};
   }
   const Rgb<S> f = scatter(v.material, v.shading.frame(), v.ng, wi, v.w) / v.alpha;
   return {f * std::abs(glm::dot(wi, v.shading.normal())), max_channel(f) * std::abs(glm::dot(v.w, v.ng))};
 }
 
 /// D of a surface vertex, as seen by a subpath that knows `wi`, towards `wo`, sr^-1 per channel.
-template <std::floating_point S, Material M, class Phase>
-[[nodiscard]] inline Rgb<S> surface_light_pattern(const Vertex<S, M, Phase>& v, const Vec3<S>& wi, const Vec3<S>& wo) noexcept {
+template <AnyVertex V, std::floating_point S = typename V::Scalar>
+[[nodiscard]] inline Rgb<S> surface_light_pattern(const V& v, const Vec3<S>& wi, const Vec3<S>& wo) noexcept {
   const Rgb<S> f = scatter(v.material, v.shading.frame(), v.ng, wi, wo);
   return f * (std::abs(glm::dot(wo, v.ng)) / v.alpha);
 }
 
 /// D of a VPL towards `wo`, sr^-1 per channel.
-template <std::floating_point S, Material M, class Phase>
-[[nodiscard]] inline Rgb<S> light_pattern(const Vertex<S, M, Phase>& v, const Vec3<S>& wo) noexcept {
+template <AnyVertex V, std::floating_point S = typename V::Scalar>
+[[nodiscard]] inline Rgb<S> light_pattern(const V& v, const Vec3<S>& wo) noexcept {
   switch (v.kind) {
     case VertexKind::surface: return surface_light_pattern(v, v.w, wo);
     case VertexKind::medium:
-      if constexpr (v.k_may_be_in_medium) return Rgb<S>(v.phase.eval(wo, v.w));
+      if constexpr (V::k_may_be_in_medium) return Rgb<S>(v.phase.eval(wo, v.w));
       break;
+    case VertexKind::subsurface_outer:
+      if constexpr (V::k_may_be_subsurface) return Rgb<S>(detail::outer_pattern(v, wo));
+      break;
+    case VertexKind::subsurface_inner: return Rgb<S>(k_inv_pi<S>);
     case VertexKind::area_emitter: return Rgb<S>(std::max(S(0), glm::dot(wo, v.ng)) * k_inv_pi<S>);
     case VertexKind::two_sided_area_emitter: return Rgb<S>(std::abs(glm::dot(wo, v.ng)) * k_inv_pi<S>);
     case VertexKind::point_emitter: return Rgb<S>(S(0.25) * k_inv_pi<S>);
@@ -88,12 +103,32 @@ struct Pair {
   [[nodiscard]] bool is_zero() const noexcept { return max_channel(m) * max_channel(d) <= S(0); }
 };
 
+namespace detail {
+/// Two inner vertices of an object [Walter 2012, Eq. 21-25]: M = D = 1 / pi, T = pi g(d), no visibility. The colour of g is
+/// put into M, so that T is that of its largest channel.
+template <class V>
+[[nodiscard]] inline Pair<typename V::Scalar> connect_below(const V& sensor, const V& light) noexcept {
+  using S = typename V::Scalar;
+  Pair<S> pair{};
+  const Rgb<S> transit = sensor.below->transit(glm::length(light.position - sensor.position));
+  pair.t = max_channel(transit);
+  if (!(pair.t > S(0))) return pair;
+  pair.m = transit * (k_inv_pi<S> / pair.t);
+  pair.d = Rgb<S>(k_inv_pi<S>);
+  pair.sensor_d = outer_pattern(sensor, sensor.w);
+  return pair;
+}
+}  // namespace detail
+
 /// Evaluates M, D and T (visibility 1) of a pair. `scene_radius`, m: that of the scene's bounding sphere, the unit of
 /// lights at infinity (theory 2.5). Coincident vertices give m = d = 0: such a pair carries nothing.
-template <std::floating_point S, Material M, class Phase>
-[[nodiscard]] inline Pair<S> connect(const Vertex<S, M, Phase>& sensor, const Vertex<S, M, Phase>& light,
-                                     S scene_radius) noexcept {
+template <AnyVertex V, std::floating_point S = typename V::Scalar>
+[[nodiscard]] inline Pair<S> connect(const V& sensor, const V& light, S scene_radius) noexcept {
   Pair<S> pair{};
+  if constexpr (V::k_may_be_subsurface) {
+    if (sensor.channel() != light.channel()) return pair;
+    if (sensor.is_inner()) return detail::connect_below(sensor, light);
+  }
   if (light.is_infinite()) {
     pair.wi = light.position;
     pair.t = S(1) / sqr(scene_radius);

@@ -22,9 +22,9 @@ struct Sensor {
 };
 
 /// Bound of the sensor's own D over all light-side directions, sr^-1.
-template <std::floating_point S, Material M, class Phase>
-[[nodiscard]] inline S sup_sensor_d(const Vertex<S, M, Phase>& v) noexcept {
-  if constexpr (v.k_may_be_in_medium) {
+template <AnyVertex V, std::floating_point S = typename V::Scalar>
+[[nodiscard]] inline S sup_sensor_d(const V& v) noexcept {
+  if constexpr (V::k_may_be_in_medium) {
     if (v.is_in_medium()) return AutomaticBounds{}.sup_phase(v.phase, v.w, DirectionSet<S>());
   }
   const Vec3<S> wo = v.shading.frame().to_local(v.w);
@@ -58,7 +58,7 @@ class EyeSubpath {
       if constexpr (Scene::k_has_media) {
         if (arrival.collision) {
           record = arrive(record, previous, transit(previous, arrival.collision->position));
-          if (edges == max_edges_ || !visit(walk, record, *arrival.collision, edges, previous)) return;
+          if (!visit(walk, record, *arrival.collision, edges, previous)) return;
           continue;
         }
       }
@@ -95,7 +95,7 @@ class EyeSubpath {
   }
 
   /// Handles vertex v_j on a surface; returns false when the subpath ends here.
-  bool visit(WalkState<S>& walk, const typename W::Record& record, const SurfacePoint<S>& point, unsigned edges,
+  bool visit(WalkState<S>& walk, typename W::Record& record, const SurfacePoint<S>& point, unsigned& edges,
              Step& step) {
     const Vec3<S> wo = -walk.ray.direction;
     const Rgb<S> emitted = scene_.emitters().emitted(point, wo);
@@ -103,29 +103,57 @@ class EyeSubpath {
       const S d_emitter = std::abs(glm::dot(wo, point.ng)) * k_inv_pi<S>;
       visitor_.emission(walk.beta * emitted * weighting_.hit_weight(record, d_emitter));
     }
-    if (edges == max_edges_) return false;
-    return visit(walk, record, scene_.interaction(point, wo, walk.medium), edges, step);
+    const auto hit = scene_.interaction(point, wo, walk.medium);
+    if constexpr (Scene::k_has_subsurface) {
+      if (const auto* below = subsurface_at(scene_, hit, wo)) {
+        return visit_with_below(walk, record, hit, Submersion<Scene>(hit, *below, wo), edges, step);
+      }
+    }
+    return visit(walk, record, hit, edges, step);
   }
-  /// The same for what scatters there: a surface or a medium.
+  /// The same for what scatters there: a surface, a medium, or what is below a surface.
   template <class Hit>
   bool visit(WalkState<S>& walk, const typename W::Record& record, const Hit& hit, unsigned edges, Step& step) {
-    const Vec3<S> wo = -walk.ray.direction;
-    if (!survives(walk, hit)) return false;
-    bool pruned = is_delta(hit);
-    if (!pruned) {
-      auto vertex = vertex_at<Scene>(hit, wo, Walk::eye, walk.beta);
-      if (!(vertex.alpha > S(0))) return false;
-      vertex.edges = static_cast<std::uint16_t>(edges);
-      pruned = weighting_.prune(record, sup_sensor_d(vertex));
-      if (!pruned) visitor_.sensor(Sensor<Scene, W>{vertex, record});
+    if (edges == max_edges_ || !survives(walk, albedo(hit))) return false;
+    const bool pruned = is_delta(hit) || !store_sensor(walk, record, hit, edges);
+    return leave(walk, record, hit, -walk.ray.direction, pruned, step);
+  }
+  /// Hands out the sensor at `hit`; false if it and all behind it carry nothing.
+  template <class Hit>
+  bool store_sensor(const WalkState<S>& walk, const typename W::Record& record, const Hit& hit, unsigned edges) {
+    auto vertex = vertex_at<Scene>(hit, -walk.ray.direction, Walk::eye, walk.beta);
+    vertex.edges = static_cast<std::uint16_t>(edges);
+    if (!(vertex.alpha > S(0)) || weighting_.prune(record, sup_sensor_d(vertex))) return false;
+    visitor_.sensor(Sensor<Scene, W>{vertex, record});
+    return true;
+  }
+
+  /// A surface that also scatters below: sensors for both, then the walk takes one of the ways.
+  template <class Hit>
+  bool visit_with_below(WalkState<S>& walk, typename W::Record& record, const Hit& hit, const Submersion<Scene>& submersion,
+                        unsigned& edges, Step& step) {
+    if (edges == max_edges_ || !survives(walk, submersion.albedo() + albedo(hit))) return false;
+    auto vertex = submersion.vertex(walk.beta);
+    vertex.edges = static_cast<std::uint16_t>(edges);
+    const bool pruned = weighting_.prune(record, submersion.own_pattern());
+    if (!pruned) visitor_.sensor(Sensor<Scene, W>{vertex, record});
+    const S probability = submersion.probability();
+    const bool surface_pruned = is_delta(hit) || !store_sensor(walk, record, hit, edges);
+    if (!(stream_.next() < probability)) {
+      walk.beta /= S(1) - probability;
+      return leave(walk, record, hit, -walk.ray.direction, surface_pruned, step);
     }
-    return leave(walk, record, hit, wo, pruned, step);
+    if (pruned) return false;
+    const auto passage = submersion.pass(scene_, stream_, rays_);
+    if (!passage) return false;
+    walk.beta *= passage->factor / probability;
+    record = weighting_.extend(record, k_inv_pi<S>, submersion.own_pattern(), passage->transit);
+    return visit(walk, record, passage->out, ++edges, step);
   }
 
   /// Russian roulette on the strength relative to that of the path's first sensor (theory 2.2).
-  template <class Hit>
-  bool survives(WalkState<S>& walk, const Hit& hit) {
-    const S strength = max_channel(walk.beta * albedo(hit));
+  bool survives(WalkState<S>& walk, const Rgb<S>& scattering) {
+    const S strength = max_channel(walk.beta * scattering);
     if (!(strength > S(0))) return false;
     if (!(reference_strength_ > S(0))) {
       reference_strength_ = strength;

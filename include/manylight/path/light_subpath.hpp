@@ -66,7 +66,14 @@ class LightSubpath {
       }
       if (!arrival.surface) return;
       const auto hit = scene_.interaction(*arrival.surface, wi, walk.medium);
-      if (!(std::abs(glm::dot(wi, hit.ng)) > S(0)) || !scatter_and_store(walk, hit, wi, edges)) return;
+      if (!(std::abs(glm::dot(wi, hit.ng)) > S(0))) return;
+      if constexpr (Scene::k_has_subsurface) {
+        if (const auto* below = subsurface_at(scene_, hit, wi)) {
+          if (!scatter_with_below(walk, hit, Submersion<Scene>(hit, *below, wi), wi, edges)) return;
+          continue;
+        }
+      }
+      if (!scatter_and_store(walk, hit, wi, edges)) return;
     }
   }
 
@@ -82,11 +89,40 @@ class LightSubpath {
     const bool delta_only = is_delta(hit);
     auto vertex = vertex_at<Scene>(hit, wi, Walk::light, walk.beta);
     if (!delta_only && !(vertex.alpha > S(0))) return false;
-    if (!survives(walk, delta_only ? walk.beta : vertex.strength, vertex)) return false;
+    const S q = survival(delta_only ? walk.beta : vertex.strength);
+    if (!survives(walk, q)) return false;
     if (!delta_only) {
-      vertex.edges = static_cast<std::uint16_t>(edges);
-      if (max_channel(vertex.strength) > S(0) && is_finite(vertex.strength)) out_.push_back(vertex);
+      if (q < S(1)) vertex.strength /= q;
+      store(vertex, edges);
     }
+    return leave(walk, hit, wi);
+  }
+
+  /// A surface that also scatters below: a VPL for each, then the walk takes one of the ways.
+  template <class Hit>
+  bool scatter_with_below(WalkState<S>& walk, const Hit& hit, const Submersion<Scene>& submersion, const Vec3<S>& wi,
+                          unsigned& edges) {
+    if (!survives(walk, survival(walk.beta * (submersion.albedo() + albedo(hit))))) return false;
+    store(submersion.vertex(walk.beta), edges);
+    if (!is_delta(hit)) store(vertex_at<Scene>(hit, wi, Walk::light, walk.beta), edges);
+    const S probability = submersion.probability();
+    if (!(stream_.next() < probability)) {
+      walk.beta /= S(1) - probability;
+      return leave(walk, hit, wi);
+    }
+    const auto passage = submersion.pass(scene_, stream_, rays_);
+    if (!passage) return false;
+    walk.beta *= passage->factor / probability;
+    return ++edges + 2 <= max_edges_ && scatter_and_store(walk, passage->out, wi, edges);
+  }
+
+  void store(VertexOf<Scene> vertex, unsigned edges) {
+    vertex.edges = static_cast<std::uint16_t>(edges);
+    if (max_channel(vertex.strength) > S(0) && is_finite(vertex.strength)) out_.push_back(vertex);
+  }
+
+  template <class Hit>
+  bool leave(WalkState<S>& walk, const Hit& hit, const Vec3<S>& wi) {
     const std::optional<ScatterSample<S>> sample = sample_scatter<Scene>(hit, wi, Walk::light, stream_);
     if (!sample) return false;
     continue_walk(scene_, walk, hit, *sample);
@@ -94,13 +130,14 @@ class LightSubpath {
   }
 
   /// Roulette that keeps every VPL near the mean intensity flux / N, as the clamp assumes: q = min(1, N I / flux).
-  bool survives(WalkState<S>& walk, const Rgb<S>& power, VertexOf<Scene>& vertex) {
-    const S q = std::min(S(1), max_channel(power) / max_channel(scene_.emitters().total_flux()));
+  [[nodiscard]] S survival(const Rgb<S>& power) const noexcept {
+    return std::min(S(1), max_channel(power) / max_channel(scene_.emitters().total_flux()));
+  }
+  bool survives(WalkState<S>& walk, S q) {
     if (!(q > S(0))) return false;
     if (q < S(1)) {
       if (stream_.next() >= q) return false;
       walk.beta /= q;
-      vertex.strength /= q;
     }
     return true;
   }

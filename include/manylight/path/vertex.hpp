@@ -54,12 +54,22 @@ struct VertexMedium {
 };
 template <>
 struct VertexMedium<NoPhase> {};
+/// What only vertices of scenes with subsurface scattering carry.
+template <class Subsurface>
+struct VertexSubsurface {
+  const Subsurface* below = nullptr;
+  std::uint32_t object = 0;  ///< the shape
+};
+template <>
+struct VertexSubsurface<NoSubsurface> {};
 }  // namespace detail
 
 /// What a vertex scatters or emits like.
 enum class VertexKind : std::uint8_t {
   surface,         ///< a Material
   medium,          ///< a PhaseFunction
+  subsurface_outer,  ///< where light enters or leaves an object: Lambertian on the side of `ng`, connected to all others
+  subsurface_inner,  ///< the same place seen from inside: connected through the object to its inner vertices alone
   area_emitter,    ///< Lambertian emission on the side of ng
   two_sided_area_emitter,  ///< Lambertian emission on both sides
   point_emitter,   ///< isotropic emission
@@ -69,17 +79,18 @@ enum class VertexKind : std::uint8_t {
 
 /// The one vertex of the toolkit: at the end of an eye subpath a virtual point sensor (VPS), at the end of a light
 /// subpath a virtual point light (VPL). All directions are unit, world frame, and point away from the vertex.
-template <std::floating_point S, Material M, class Phase = NoPhase>
-struct Vertex : detail::VertexMedium<Phase> {
+template <std::floating_point S, Material M, class Phase = NoPhase, class Subsurface = NoSubsurface>
+struct Vertex : detail::VertexMedium<Phase>, detail::VertexSubsurface<Subsurface> {
   using Scalar = S;
   static constexpr bool k_may_be_in_medium = !std::is_same_v<Phase, NoPhase>;
+  static constexpr bool k_may_be_subsurface = !std::is_same_v<Subsurface, NoSubsurface>;
   Vec3<S> position{0};
   S error = S(0);         ///< bound of the absolute error of `position`, m
   Vec3<S> ng{0, 0, 1};    ///< geometric normal, on the side of `w` for two-sided surfaces
   Vec3<S> w{0, 0, 1};     ///< known direction: `wo` (to the previous eye vertex) of a VPS, `wi` of a VPL on a surface
   detail::ShadingFrame<S, k_is_isotropic<M>> shading;
   M material{};
-  S alpha = S(0);         ///< normaliser of the pattern: largest channel of the material's albedo; 1 in a medium
+  S alpha = S(0);         ///< normaliser of the pattern: largest channel of the material's albedo; else 1
   Rgb<S> strength{0};     ///< S of a VPS (1: radiance per radiance), I of a VPL (W)
   std::uint16_t edges = 0;  ///< segments between this vertex and the camera (VPS) or the emitter (VPL)
   VertexKind kind = VertexKind::surface;
@@ -87,6 +98,17 @@ struct Vertex : detail::VertexMedium<Phase> {
 
   [[nodiscard]] bool is_infinite() const noexcept { return kind == VertexKind::infinite_emitter; }
   [[nodiscard]] bool is_in_medium() const noexcept { return k_may_be_in_medium && kind == VertexKind::medium; }
+  [[nodiscard]] bool is_outer() const noexcept { return k_may_be_subsurface && kind == VertexKind::subsurface_outer; }
+  [[nodiscard]] bool is_inner() const noexcept { return k_may_be_subsurface && kind == VertexKind::subsurface_inner; }
+  /// The normal that the pattern's cosine is taken with.
+  [[nodiscard]] const Vec3<S>& pattern_normal() const noexcept { return is_outer() ? ng : shading.normal(); }
+  /// Only vertices of the same channel are connected: 0 for all but the inner ones of an object.
+  [[nodiscard]] std::uint32_t channel() const noexcept {
+    if constexpr (k_may_be_subsurface) {
+      if (is_inner()) return this->object + 1;
+    }
+    return 0;
+  }
   [[nodiscard]] Anchor<S> anchor() const noexcept {
     Anchor<S> a{position, error, ng};
     if constexpr (k_may_be_in_medium) a.media = this->media;
@@ -94,13 +116,21 @@ struct Vertex : detail::VertexMedium<Phase> {
   }
 };
 
+template <class V>
+inline constexpr bool k_is_vertex = false;
+template <std::floating_point S, Material M, class Phase, class Subsurface>
+inline constexpr bool k_is_vertex<Vertex<S, M, Phase, Subsurface>> = true;
+template <class V>
+concept AnyVertex = k_is_vertex<V>;
+
 template <class Scene>
-using VertexOf = Vertex<typename Scene::Scalar, typename Scene::Material, typename Scene::Phase>;
+using VertexOf =
+    Vertex<typename Scene::Scalar, typename Scene::Material, typename Scene::Phase, typename Scene::Subsurface>;
 
 /// A surface vertex at `hit` with the known direction `w`; strength and edges are left to the caller.
-template <class Phase = NoPhase, std::floating_point S, Material M>
-[[nodiscard]] Vertex<S, M, Phase> surface_vertex(const Interaction<S, M>& hit, const Vec3<S>& w) noexcept {
-  Vertex<S, M, Phase> v;
+template <AnyVertex V, std::floating_point S, Material M>
+[[nodiscard]] V surface_vertex(const Interaction<S, M>& hit, const Vec3<S>& w) noexcept {
+  V v;
   v.position = hit.point.position;
   v.error = hit.point.error;
   v.ng = hit.ng;
@@ -108,7 +138,7 @@ template <class Phase = NoPhase, std::floating_point S, Material M>
   v.shading = detail::ShadingFrame<S, k_is_isotropic<M>>(hit.frame);
   v.material = hit.material;
   v.alpha = max_channel(hit.material.albedo());
-  if constexpr (v.k_may_be_in_medium) v.media = hit.media;
+  if constexpr (V::k_may_be_in_medium) v.media = hit.media;
   return v;
 }
 

@@ -10,6 +10,7 @@
 
 #include "manylight/path/connect.hpp"
 #include "manylight/path/medium_walk.hpp"
+#include "manylight/path/subsurface_walk.hpp"
 
 namespace manylight {
 
@@ -73,6 +74,21 @@ template <class Scene, SampleStream Stream>
   return sample;
 }
 
+template <class Scene, SampleStream Stream>
+[[nodiscard]] std::optional<ScatterSample<typename Scene::Scalar>> sample_scatter(
+    const Surfacing<Scene>& out, const Vec3<typename Scene::Scalar>& /*w*/, Walk /*walk*/, Stream& stream) {
+  using S = typename Scene::Scalar;
+  const Vec3<S> local = warp::square_to_cosine_hemisphere(stream.next_2d());
+  ScatterSample<S> sample;
+  sample.direction = glm::normalize(Frame<S>(out.point.ng).to_world(local));
+  sample.pdf = warp::cosine_hemisphere_pdf(local);
+  if (!(sample.pdf > S(0))) return std::nullopt;
+  sample.f = out.below->end_factor(local.z);
+  sample.factor = sample.f / sample.pdf;
+  if (!(max_channel(sample.factor) > S(0))) return std::nullopt;
+  return sample;
+}
+
 /// Moves `walk` on from `hit` in the sampled direction.
 template <class Scene>
 void continue_walk(const Scene& scene, WalkState<typename Scene::Scalar>& walk,
@@ -101,6 +117,14 @@ void continue_walk(const Scene& /*scene*/, WalkState<typename Scene::Scalar>& wa
   walk.ray = {collision.position, sample.direction};
 }
 
+template <class Scene>
+void continue_walk(const Scene& /*scene*/, WalkState<typename Scene::Scalar>& walk, const Surfacing<Scene>& out,
+                   const ScatterSample<typename Scene::Scalar>& sample) {
+  walk.medium = out.medium;
+  walk.beta *= sample.factor;
+  walk.ray = {offset_origin(out.point.position, out.point.error, out.point.ng, sample.direction), sample.direction};
+}
+
 /// Where a walk stands, as one end of a shadow ray.
 template <std::floating_point S, Material M>
 [[nodiscard]] Anchor<S> anchor(const Interaction<S, M>& hit) noexcept {
@@ -110,6 +134,11 @@ template <class Scene>
 [[nodiscard]] Anchor<typename Scene::Scalar> anchor(const MediumInteraction<Scene>& collision) noexcept {
   using S = typename Scene::Scalar;
   return {collision.position, S(0), Vec3<S>(0, 0, 1), {collision.medium, collision.medium}};
+}
+
+template <class Scene>
+[[nodiscard]] Anchor<typename Scene::Scalar> anchor(const Surfacing<Scene>& out) noexcept {
+  return {out.point.position, out.point.error, out.point.ng, {out.medium, out.medium}};
 }
 
 /// Whether every direction at the vertex is drawn by a Dirac lobe.
@@ -122,6 +151,11 @@ template <class Scene>
   return false;
 }
 
+template <class Scene>
+[[nodiscard]] bool is_delta(const Surfacing<Scene>& /*out*/) noexcept {
+  return false;
+}
+
 /// How much the vertex scatters, what roulette goes by: the albedo's largest channel (1: Dirac lobes alone), or sigma_s.
 template <std::floating_point S, Material M>
 [[nodiscard]] Rgb<S> albedo(const Interaction<S, M>& hit) noexcept {
@@ -130,6 +164,11 @@ template <std::floating_point S, Material M>
 template <class Scene>
 [[nodiscard]] Rgb<typename Scene::Scalar> albedo(const MediumInteraction<Scene>& collision) noexcept {
   return collision.sigma_s;
+}
+
+template <class Scene>
+[[nodiscard]] Rgb<typename Scene::Scalar> albedo(const Surfacing<Scene>& out) noexcept {
+  return out.below->sqrt_rho();
 }
 
 /// Light from `wi` that goes on to `wo` in an eye walk: f |wi.ns|, sr^-1; in a medium sigma_s f_p, m^-1 sr^-1.
@@ -151,6 +190,14 @@ template <class Scene>
   return {value, value};
 }
 
+template <class Scene>
+[[nodiscard]] Scattered<typename Scene::Scalar> scattered(const Surfacing<Scene>& out,
+                                                          const Vec3<typename Scene::Scalar>& wi,
+                                                          const Vec3<typename Scene::Scalar>& /*wo*/) noexcept {
+  const auto value = out.below->end_factor(glm::dot(wi, out.point.ng));
+  return {value, value};
+}
+
 /// Density of `wi` in an eye walk that knows `wo`, sr^-1.
 template <std::floating_point S, Material M>
 [[nodiscard]] S direction_pdf(const Interaction<S, M>& hit, const Vec3<S>& wi, const Vec3<S>& wo) noexcept {
@@ -160,6 +207,13 @@ template <class Scene>
 [[nodiscard]] auto direction_pdf(const MediumInteraction<Scene>& collision, const Vec3<typename Scene::Scalar>& wi,
                                  const Vec3<typename Scene::Scalar>& wo) noexcept {
   return collision.phase.pdf(wi, wo);
+}
+
+template <class Scene>
+[[nodiscard]] auto direction_pdf(const Surfacing<Scene>& out, const Vec3<typename Scene::Scalar>& wi,
+                                 const Vec3<typename Scene::Scalar>& /*wo*/) noexcept {
+  using S = typename Scene::Scalar;
+  return std::max(S(0), glm::dot(wi, out.point.ng)) * k_inv_pi<S>;
 }
 
 /// Largest channels of M and D of an eye vertex, sr^-1: what weights see.
@@ -182,13 +236,22 @@ template <class Scene>
   return {collision.phase.eval(wi, wo), collision.phase.eval(wo, wi)};
 }
 
+template <class Scene>
+[[nodiscard]] PatternMaxima<typename Scene::Scalar> pattern_maxima(const Surfacing<Scene>& out,
+                                                                   const Vec3<typename Scene::Scalar>& wi,
+                                                                   const Vec3<typename Scene::Scalar>& /*wo*/,
+                                                                   const Rgb<typename Scene::Scalar>& /*f*/) noexcept {
+  using S = typename Scene::Scalar;
+  return {out.below->pattern(glm::dot(wi, out.point.ng)), k_inv_pi<S>};
+}
+
 /// The vertex where a walk stands, known from `w`, with the strength alpha |w.ns| / |w.ng| of a light walk (`Walk::light`)
 /// or alpha of an eye walk, times the walk's throughput.
 template <class Scene>
 [[nodiscard]] VertexOf<Scene> vertex_at(const Interaction<typename Scene::Scalar, typename Scene::Material>& hit,
                                         const Vec3<typename Scene::Scalar>& w, Walk walk,
                                         const Rgb<typename Scene::Scalar>& beta) noexcept {
-  auto v = surface_vertex<typename Scene::Phase>(hit, w);
+  auto v = surface_vertex<VertexOf<Scene>>(hit, w);
   v.strength = beta * v.alpha;
   if (walk == Walk::light) v.strength *= std::abs(glm::dot(w, hit.frame.n) / glm::dot(w, hit.ng));
   return v;
@@ -204,6 +267,22 @@ template <class Scene>
   v.strength = beta * collision.sigma_s;
   v.phase = collision.phase;
   v.media = {collision.medium, collision.medium};
+  return v;
+}
+
+template <class Scene>
+[[nodiscard]] VertexOf<Scene> vertex_at(const Surfacing<Scene>& out, const Vec3<typename Scene::Scalar>& /*w*/,
+                                        Walk /*walk*/, const Rgb<typename Scene::Scalar>& beta) noexcept {
+  VertexOf<Scene> v;
+  v.kind = VertexKind::subsurface_outer;
+  v.position = out.point.position;
+  v.error = out.point.error;
+  v.ng = out.point.ng;
+  v.alpha = typename Scene::Scalar(1);
+  v.strength = beta * out.below->sqrt_rho();
+  v.below = out.below;
+  v.object = out.point.shape;
+  if constexpr (Scene::k_has_media) v.media = {out.medium, out.medium};
   return v;
 }
 

@@ -39,7 +39,9 @@ class Scene {
   using GeometryType = G;
   using ShaderType = Shader;
   using Phase = typename Media::Phase;
+  using Subsurface = typename detail::SubsurfaceOf<Shader>::Type;
   static constexpr bool k_has_media = Media::k_exist;
+  static constexpr bool k_has_subsurface = !std::is_same_v<Subsurface, NoSubsurface>;
   using ShadowRay = std::conditional_t<k_has_media, MediumRay<Scalar>, Ray<Scalar>>;
   /// Part of light that passes a segment: one number, or one per channel if there are media.
   using Passed = std::conditional_t<k_has_media, Rgb<Scalar>, Scalar>;

@@ -17,6 +17,8 @@ namespace manylight {
 ///    surface has an opacity mask and `opacity(point)` in [0, 1] which part of light it stops, the rest goes straight on;
 ///  - `k_may_absorb` (static): false removes all absorption code; if true, `interior_absorption()` is the coefficient
 ///    sigma_a (m^-1) of what a dielectric shape holds;
+///  - optional type `Subsurface` (subsurface.hpp) with `subsurface()`: a pointer to what scatters below the surface, or
+///    null; it must live as long as the shader. Light enters and leaves on the side of `point.ng`;
 ///  - optional `shading_normal(point)`: the unit normal to shade with in place of `point.ns`, on the side of `point.ng`
 ///    (bent_normal.hpp).
 template <class T>
@@ -28,6 +30,21 @@ concept SurfaceShader =
       { T::k_may_be_transparent } -> std::convertible_to<bool>;
       { T::k_may_absorb } -> std::convertible_to<bool>;
     };
+
+/// Of a scene without subsurface scattering.
+struct NoSubsurface {};
+
+namespace detail {
+template <class Shader>
+struct SubsurfaceOf {
+  using Type = NoSubsurface;
+};
+template <class Shader>
+  requires requires { typename Shader::Subsurface; }
+struct SubsurfaceOf<Shader> {
+  using Type = typename Shader::Subsurface;
+};
+}  // namespace detail
 
 /// The same material everywhere on a shape.
 template <Material M>
