@@ -167,7 +167,7 @@ TEST(GaussianFiberPhase, PeaksAtTheClosedForm) {
 }
 
 // Straight on the half vector is undefined: finite, the largest of the limits, and so in every frame. Draws next to it
-// whose density is rounding noise are drawn again (planted bug seen to fail: they were dropped).
+// whose density is rounding noise are drawn again (seen to fail while they were dropped).
 TEST(GaussianFiberPhase, IsFiniteAtTheEdges) {
   const auto check_scalar = [](auto zero) {
     using S = decltype(zero);

@@ -49,8 +49,9 @@ template <std::floating_point S, class Value>
   return worst;
 }
 
-/// Random configurations of a phase function: sets of any width, rings in half of them, around directions drawn by it,
-/// around the axes' like or anywhere; `half_angle` (rad) fixes the width; 0: any. `worst_known` of the report is the
+/// Random configurations of a phase function: `known` anywhere, `sampled` drawn by it, next to straight on or back, or
+/// anywhere; around either or both, cones or rings of any width, or cones of `half_angle` (rad) if that is positive.
+/// `worst_set` of the report is the set around `sampled` or, if only `known` has one, around that; `worst_known` is the
 /// direction that was fixed or, of two sets, found.
 template <PhaseFunction P, PhaseBounds<P> B>
 [[nodiscard]] BoundsReport<typename P::Scalar> falsify_phase(const P& phase, const B& bounds, PhaseSets sets,

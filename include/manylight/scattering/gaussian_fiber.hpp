@@ -50,22 +50,25 @@ class GaussianFiber {
   /// Upper bound of `eval` over pairs, at least one a set. Near the fiber's own direction sigma(known) is small, but
   /// there the Gaussian is, too, unless `sampled` is as near: |h . f| = |sampled . f + known . f| / |sampled + known|.
   /// Bounded apart the two would be loose by 1 / gamma; hence the range of known . f in steps, each with both at its
-  /// worst.
+  /// worst; the more of them, the wider the range of sigma.
   template <LocalDirection<S> W, LocalDirection<S> V>
   [[nodiscard]] S sup_eval(const W& sampled, const V& known) const noexcept {
     const S apart = Interval<S>(eval(sampled, known)).hi;
     if constexpr (std::is_same_v<V, Vec3<S>>) {
       return apart;
     } else {
+      const Interval<S> sigma = projected_area(known);
+      const int steps = std::min(k_steps, 1 + static_cast<int>(S(k_steps) * (S(1) - sigma.lo / sigma.hi)));
+      if (steps == 1) return apart;
       const Interval<S> p = dot(sampled, axis_);
       const Interval<S> c = clamp(dot(known, axis_), S(-1), S(1));
       const S most_length2 = Interval<S>(sqr_distance(sampled, -known)).hi;
       const S from = std::acos(c.hi);
-      const S step = (std::acos(c.lo) - from) / S(k_steps);
+      const S step = (std::acos(c.lo) - from) / static_cast<S>(steps);
       S sup = S(0);
       S high = c.hi;
-      for (int k = 1; k <= k_steps; ++k) {
-        const S low = k < k_steps ? std::clamp(std::cos(from + step * static_cast<S>(k)), c.lo, high) : c.lo;
+      for (int k = 1; k <= steps; ++k) {
+        const S low = k < steps ? std::clamp(std::cos(from + step * static_cast<S>(k)), c.lo, high) : c.lo;
         const S gap = std::max(S(0), std::max(p.lo + low, -(p.hi + high)) - detail::k_cosine_margin<S>);
         const S most = std::min(S(1), std::max(high, -low) + detail::k_cosine_margin<S>);
         const Interval<S> sine = safe_sqrt((S(1) - most) * (S(1) + most)) * (S(1) - detail::k_cosine_margin<S>);
@@ -78,9 +81,9 @@ class GaussianFiber {
   }
 
   /// Draws the visible normal, of density |known . m| Df(m) / sigma, and mirrors. With x = |m . f| and the azimuth phi
-  /// to `known`, |known . m| <= c x + s |cos phi|, each term of which is drawn by inversion: more than a third of the
-  /// tries succeed at all angles, where |known . m| alone would fail a hundred times along a smooth fiber. The two
-  /// normals x, -x are drawn together. The first try takes `u`, later ones bits hashed from it.
+  /// to `known`, |known . m| <= c x + s |cos phi|, each term of which is drawn by inversion: 0.61 of the tries succeed
+  /// at any angle and gamma, where of normals drawn from Df only sigma do, 0.008 along a smooth fiber. The two normals
+  /// x, -x are drawn together. The first try takes `u`, later ones bits hashed from it.
   [[nodiscard]] std::optional<PhaseSample<S>> sample(const Vec3<S>& known, const Vec2<S>& u) const noexcept {
     const S c = std::abs(glm::dot(known, axis_));
     const S s = sine_between(known, axis_);
@@ -119,8 +122,8 @@ class GaussianFiber {
   }
 
  private:
-  static constexpr int k_steps = 8;
-  static constexpr int k_tries = 100;  ///< all fail with a probability below 1e-17
+  static constexpr int k_steps = 8;    ///< at most
+  static constexpr int k_tries = 100;  ///< all fail with a probability of 1e-41
 
   [[nodiscard]] static std::uint64_t bits_of(S u) noexcept { return static_cast<std::uint64_t>(u * S(0x1p53)); }
 
