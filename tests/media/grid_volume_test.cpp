@@ -186,8 +186,8 @@ void walks_are_covered_and_bounded(const Setting& setting, const Mat4<double>& t
   EXPECT_GT(met, 50);
 }
 
-// Planted bugs seen to fail: majorants of the samples within a block without those on its upper faces; no
-// steps along z.
+// Planted bugs seen to fail: majorants of the samples within a block without those on its upper faces; the
+// upper face as the next one of rays that run down.
 TEST(BlockMajorants, BoundEveryValueAlongEveryRay) {
   for (const Setting& setting : k_settings) {
     for (const std::uint32_t block : {1U, 3U, 8U, 1000U}) {
