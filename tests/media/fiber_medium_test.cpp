@@ -52,6 +52,7 @@ TEST(FiberMedium, ExtinctionIsTwiceDensityTimesProjectedArea) {
 }
 
 // Fibers in the grid's own x direction; the grid is turned by 90 degrees about z, so they run along y of the world.
+// Planted bug seen to fail: axes as given.
 TEST(FiberMedium, AxesTurnWithTheGrid) {
   GridPlacement<double> placement;
   placement.to_world =

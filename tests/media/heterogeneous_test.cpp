@@ -80,7 +80,8 @@ TEST(Heterogeneous, RatioTrackingIsLessNoisyThanDeltaTracking) {
   }
 }
 
-// Density a x over [0, 1]: the flight's density is a t exp(-a t^2 / 2). Level 1e-4 each.
+// Density a x over [0, 1]: the flight's density is a t exp(-a t^2 / 2). Level 1e-4 each. Planted bugs seen to fail: the
+// rest of a flight forgotten at the next block; the weight by the majorant.
 template <std::floating_point S>
 void flights_follow_their_density(std::uint32_t block) {
   constexpr double k_a = 3;

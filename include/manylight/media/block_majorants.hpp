@@ -124,32 +124,39 @@ template <class Visit>
 void BlockMajorants<S>::walk(const GridSegment<S>& segment, const Visit& visit) const noexcept {
   Index block{};
   Index step{};
-  const Vec3<S> inverse = S(1) / segment.direction;  // infinite ones are not used
-  Vec3<S> next{k_infinity<S>};                       // s of the next face per axis
-  // The grid's own faces do not count: where they are crossed, rounding included, is the segment's end.
+  Index last{};     // of the blocks ahead; its far face does not count: the segment's end is there, rounding included
+  Index to_face{};  // from a block's number to that of the face ahead
+  Vec3<S> inverse{S(0)};
+  Vec3<S> next{k_infinity<S>};  // s of the face ahead per axis
   const auto face = [&](int axis) {
-    const std::int32_t beyond = block[axis] + step[axis];
-    if (beyond < 0 || beyond >= total_[axis]) {
-      next[axis] = k_infinity<S>;
-      return;
-    }
-    const std::int32_t plane = std::max(block[axis], beyond);
-    next[axis] = (static_cast<S>(plane) * width_[axis] - segment.entry[axis]) * inverse[axis];
+    const S plane = static_cast<S>(block[axis] + to_face[axis]) * width_[axis];
+    const S s = (plane - segment.entry[axis]) * inverse[axis];
+    next[axis] = block[axis] == last[axis] ? k_infinity<S> : s;
   };
   for (int axis = 0; axis < 3; ++axis) {
     const auto b = static_cast<std::int32_t>(segment.entry[axis] / width_[axis]);
     block[axis] = std::clamp(b, 0, total_[axis] - 1);
-    step[axis] = segment.direction[axis] > S(0) ? 1 : segment.direction[axis] < S(0) ? -1 : 0;
-    if (step[axis] != 0) face(axis);
+    const S d = segment.direction[axis];
+    if (!(std::abs(d) * std::numeric_limits<S>::max() > S(1)))
+      continue;  // 0, or without an inverse: stays in its layer
+    step[axis] = d > S(0) ? 1 : -1;
+    last[axis] = d > S(0) ? total_[axis] - 1 : 0;
+    to_face[axis] = d > S(0) ? 1 : 0;
+    inverse[axis] = S(1) / d;
+    face(axis);
   }
   S s = S(0);
   for (;;) {
-    const int axis = next.x <= next.y ? (next.x <= next.z ? 0 : 2) : (next.y <= next.z ? 1 : 2);
+    // Which axis is next cannot be predicted: selections, not branches.
+    int axis = next.y < next.x ? 1 : 0;
+    const S of_two = std::min(next.x, next.y);
+    axis = next.z < of_two ? 2 : axis;
+    const S reached = std::min(of_two, next.z);
     // Behind s if rounding of the entry put it on the far side of a face.
-    const S end = std::clamp(next[axis], s, segment.length);
+    const S end = std::clamp(reached, s, segment.length);
     const Vec3<S> lo = Vec3<S>(block) * width_;
     if (!visit(BlockStretch<S>{majorant(block), s, end, lo, Vec3<S>(block + 1) * width_})) return;
-    if (!(next[axis] < segment.length)) return;
+    if (!(reached < segment.length)) return;
     s = end;
     block[axis] += step[axis];
     face(axis);
