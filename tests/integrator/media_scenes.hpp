@@ -10,6 +10,8 @@
 #include "manylight/media/any_medium.hpp"
 #include "manylight/media/heterogeneous.hpp"
 #include "manylight/media/homogeneous.hpp"
+#include "manylight/scattering/any_of.hpp"
+#include "manylight/scattering/dielectric.hpp"
 #include "manylight/scattering/henyey_greenstein.hpp"
 #include "manylight/scattering/lambertian.hpp"
 
@@ -17,16 +19,17 @@
 
 namespace manylight::test {
 
-/// Lambertian surfaces and such that only tell two media apart.
+/// Lambertian or smooth glass, or such that only tells two media apart.
 struct FoggyShader {
-  using Material = Lambertian<double>;
+  using Material = AnyOf<Lambertian<double>, Dielectric<double>>;
   static constexpr bool k_may_be_transparent = true;
   static constexpr bool k_may_absorb = false;
   Material surface{};
   bool is_open = false;
+  bool is_glass = false;
 
   [[nodiscard]] Material material(const SurfacePoint<double>&, bool) const noexcept { return surface; }
-  [[nodiscard]] bool is_two_sided() const noexcept { return true; }
+  [[nodiscard]] bool is_two_sided() const noexcept { return !is_glass; }
   [[nodiscard]] bool is_transparent() const noexcept { return is_open; }
   [[nodiscard]] double opacity(const SurfacePoint<double>&) const noexcept { return is_open ? 0 : 1; }
 };
@@ -58,15 +61,19 @@ class FoggyBuilder {
 
   void mesh(TriangleMesh<S> shape, double albedo, std::optional<MediaSides> sides = {}) {
     shapes_.meshes.push_back(std::move(shape));
-    meshes_.push_back({{Lambertian<S>{Rgb<S>(albedo)}, false}, sides});
+    meshes_.push_back({{Lambertian<S>{Rgb<S>(albedo)}, false, false}, sides});
   }
   void open_mesh(TriangleMesh<S> shape, const MediaSides& sides) {
     shapes_.meshes.push_back(std::move(shape));
-    meshes_.push_back({{{}, true}, sides});
+    meshes_.push_back({{{}, true, false}, sides});
   }
   void open_sphere(const Vec3<S>& center, S radius, const MediaSides& sides) {
     shapes_.spheres.push_back({center, radius, false});
-    spheres_.push_back({{{}, true}, sides});
+    spheres_.push_back({{{}, true, false}, sides});
+  }
+  void glass_sphere(const Vec3<S>& center, S radius, S ior, const MediaSides& sides) {
+    shapes_.spheres.push_back({center, radius, false});
+    spheres_.push_back({{Dielectric<S>{ior}, false, true}, sides});
   }
   /// A black mesh that emits on the side of its normal.
   void lamp(TriangleMesh<S> shape, double radiance) {

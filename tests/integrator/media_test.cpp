@@ -119,6 +119,29 @@ TEST(Media, NestedBoundaries) {
   }
 }
 
+/// Glass around an absorbing medium, seen through its centre at normal incidence: two transmissions, one way through, and
+/// what is reflected inside comes back with three ways and more. T = 1 - F, q = exp(-sigma_a d):
+/// T^2 q / (1 - F^2 q^2) + the mirror image of the sky, 1 in all directions: F + T^2 F q^2 / (1 - F^2 q^2).
+TEST(Media, GlassBoundary) {
+  FoggyBuilder builder;
+  builder.media = {fog(0.4, 0)};
+  builder.glass_sphere({0, 0, 0}, 1, 1.5, {k_vacuum, 1});
+  builder.lights.environments.emplace_back();
+  const FoggyScene scene = builder.build();
+  ProbeCamera<S> camera;
+  camera.add({0, 0, 0}, {0, 0, -3});
+  const double f = 0.04;
+  const double q = std::exp(-0.8);
+  const double exact = f + sqr(1 - f) * (q + f * q * q) / (1 - sqr(f * q));
+  Settings settings;
+  settings.samples = 4000;
+  for (const Method method : {Method::path, Method::bdlc}) {
+    const RunningMoments seen = repeat(method, scene, camera, settings, 16)[0];
+    EXPECT_TRUE(agrees(seen, exact, 1e-9)) << name(method) << ": " << seen.mean() << " for " << exact;
+    EXPECT_LT(seen.standard_error(), 0.01 * exact) << name(method);
+  }
+}
+
 /// A box of fog before a wall with a lamp. `media[0]` fills the box.
 FoggyBuilder fog_box(const FoggyMedium& medium) {
   FoggyBuilder builder;

@@ -27,6 +27,7 @@ template <AnyVertex V, std::floating_point S = typename V::Scalar>
   if constexpr (V::k_may_be_in_medium) {
     if (v.is_in_medium()) return AutomaticBounds{}.sup_phase(v.phase, v.w, DirectionSet<S>());
   }
+  if (v.is_outer()) return k_inv_pi<S>;
   const Vec3<S> wo = v.shading.frame().to_local(v.w);
   const S cosine = std::abs(glm::dot(v.w, v.ng));
   return cosine > S(0) ? AutomaticBounds{}.sup(v.material, DirectionSet<S>(), wo).eval * cosine / v.alpha : S(0);
