@@ -61,10 +61,12 @@ struct PilotVisitor {
   unsigned count;
   double sum = 0;
   bool meets_surface = false;
+  std::uint32_t instant = 0;
 
   void emission(const Rgb<S>&) const noexcept {}
-  void sensor(const Sensor<Scene, StandardWeighting<S>>& vps) {
+  void sensor(Sensor<Scene, StandardWeighting<S>> vps) {
     meets_surface = true;
+    if constexpr (Scene::k_moves) vps.vertex.instant = static_cast<InstantId>(instant);
     for (unsigned i = 0; i < count; ++i) {
       const VertexOf<Scene>& light = picker.pick(static_cast<double>(stream.next()));
       const auto transfer =
@@ -113,10 +115,13 @@ template <class Scene, Camera C, Sampler Random, Executor Exec>
       bool meets_surface = false;
       for (std::uint32_t i = 0; i < k_eye_samples; ++i) {
         Stream stream = sampler.stream(Stage::pilot, point, i);
-        const Ray<S> ray = camera_ray(camera, filter, x, y, stream);
+        const std::uint32_t instant = sample_instant(instant_count(scene), point, i);
+        const auto& now = at_instant(scene, instant);
+        const Ray<S> ray = camera_ray(at_instant(camera, instant), filter, x, y, stream);
         detail::PilotVisitor<Scene, Stream> visitor{scene, weighting, picker, stream, row_rays[row], max_edges, k_vpls};
-        EyeSubpath<Scene, StandardWeighting<S>, Stream, decltype(visitor)>(scene, weighting, max_edges, stream,
-                                                                           row_rays[row], visitor)
+        visitor.instant = instant;
+        EyeSubpath<std::remove_cvref_t<decltype(now)>, StandardWeighting<S>, Stream, decltype(visitor)>(
+            now, weighting, max_edges, stream, row_rays[row], visitor)
             .trace(ray, S(1));
         sum += visitor.sum / k_eye_samples;
         meets_surface = meets_surface || visitor.meets_surface;

@@ -154,4 +154,18 @@ class LedgerIntegrator {
   PathIntegrator<Scene> paths_;
 };
 
+/// Of a scene in motion: one per instant.
+template <class S, class W>
+class LedgerIntegrator<Instants<S>, W> {
+ public:
+  LedgerIntegrator(const Instants<S>& scenes, const W& weighting, const LedgerConfig& config) {
+    for (std::uint32_t i = 0; i < scenes.instants(); ++i) integrators_.emplace_back(scenes.at(i), weighting, config);
+  }
+  [[nodiscard]] std::uint32_t instants() const noexcept { return static_cast<std::uint32_t>(integrators_.size()); }
+  [[nodiscard]] const LedgerIntegrator<S, W>& at(std::uint32_t instant) const noexcept { return integrators_[instant]; }
+
+ private:
+  std::vector<LedgerIntegrator<S, W>> integrators_;
+};
+
 }  // namespace manylight

@@ -113,6 +113,7 @@ struct PixelCollector {
   std::vector<Sensor<Scene, W>> sensors;
   Rgb<double> emitted{0};
   std::uint64_t invalid = 0;
+  std::uint32_t instant = 0;  ///< of the eye subpath that is traced
 
   void clear() {
     sensors.clear();
@@ -130,6 +131,7 @@ struct PixelCollector {
       ++invalid;
     } else if (max_channel(vps.vertex.strength) > S(0)) {
       sensors.push_back(vps);
+      if constexpr (Scene::k_moves) sensors.back().vertex.instant = static_cast<InstantId>(instant);
     }
   }
 };
@@ -143,9 +145,11 @@ void trace_pixel(const Scene& scene, const C& camera, const ReconstructionFilter
   collector.clear();
   for (std::uint32_t i = 0; i < config.eye_paths; ++i) {
     auto stream = sampler.stream(Stage::eye, film_index(camera, x, y), i);
-    const Ray<S> ray = camera_ray(camera, filter, x, y, stream);
-    EyeSubpath<Scene, W, decltype(stream), PixelCollector<Scene, W>>(scene, weighting, config.max_edges, stream, rays,
-                                                                     collector)
+    collector.instant = sample_instant(instant_count(scene), film_index(camera, x, y), i);
+    const auto& now = at_instant(scene, collector.instant);
+    const Ray<S> ray = camera_ray(at_instant(camera, collector.instant), filter, x, y, stream);
+    EyeSubpath<std::remove_cvref_t<decltype(now)>, W, decltype(stream), PixelCollector<Scene, W>>(
+        now, weighting, config.max_edges, stream, rays, collector)
         .trace(ray, S(1) / static_cast<S>(config.eye_paths));
   }
 }

@@ -17,6 +17,7 @@
 #include "manylight/integrator/film.hpp"
 #include "manylight/path/transfer.hpp"
 #include "manylight/path/walk.hpp"
+#include "manylight/scene/instants.hpp"
 
 namespace manylight {
 
@@ -231,6 +232,20 @@ void PathIntegrator<Scene>::direct(const Rgb<S>& beta, const Hit& hit, const Vec
   visitor.direct(beta * arriving, hit, wo, *light, scatter.f);
 }
 
+/// Of a scene in motion: one per instant.
+template <class S>
+class PathIntegrator<Instants<S>> {
+ public:
+  PathIntegrator(const Instants<S>& scenes, const PathConfig& config) {
+    for (std::uint32_t i = 0; i < scenes.instants(); ++i) integrators_.emplace_back(scenes.at(i), config);
+  }
+  [[nodiscard]] std::uint32_t instants() const noexcept { return static_cast<std::uint32_t>(integrators_.size()); }
+  [[nodiscard]] const PathIntegrator<S>& at(std::uint32_t instant) const noexcept { return integrators_[instant]; }
+
+ private:
+  std::vector<PathIntegrator<S>> integrators_;
+};
+
 /// Sums samples [first, first + count) of every pixel of `window` into `sums` (row by row, W/m^2/sr): call it with
 /// consecutive ranges to refine an image; the split into ranges does not change it. Throws ParameterError unless the
 /// window lies in the film and `sums` has a place for each of its pixels.
@@ -251,7 +266,9 @@ PathStatistics accumulate_path_samples(const PathIntegrator<Scene>& integrator, 
         Rgb<double>& sum = sums[window.index(x, y)];
         for (std::uint32_t i = first; i < first + count; ++i) {
           auto stream = sampler.stream(Stage::eye, film_index(camera, x, y), i);
-          const Rgb<S> sample = integrator.radiance(camera_ray(camera, filter, x, y, stream), stream, statistics.rays);
+          const std::uint32_t instant = sample_instant(instant_count(integrator), film_index(camera, x, y), i);
+          const Ray<S> ray = camera_ray(at_instant(camera, instant), filter, x, y, stream);
+          const Rgb<S> sample = at_instant(integrator, instant).radiance(ray, stream, statistics.rays);
           ++statistics.samples;
           if (is_valid_radiance(sample)) {
             sum += Rgb<double>(sample);

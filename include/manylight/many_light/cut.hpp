@@ -165,7 +165,7 @@ void CutSum<Scene, W, B>::start(const std::vector<Sensor<Scene, W>>& sensors, co
   total_ = known;
   for (const std::uint32_t sensor_root : gather_.roots()) {
     for (const std::uint32_t light_root : lights_.roots()) {
-      if constexpr (Scene::k_has_subsurface) {
+      if constexpr (VertexOf<Scene>::k_has_channels) {
         if (parts_.channel(sensor_root) != lights_.channel(light_root)) continue;
       }
       parts_.add(CutPart<S>::k_new, sensor_root, light_root);

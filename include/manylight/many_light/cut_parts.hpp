@@ -68,7 +68,7 @@ class CutParts {
     bounds_.clear();
   }
   /// Channel of a gather node's sensors.
-  [[nodiscard]] std::uint32_t channel(std::uint32_t gather) const noexcept {
+  [[nodiscard]] std::uint64_t channel(std::uint32_t gather) const noexcept {
     return gather_.sensor_of_leaf(gather_.node(gather).leaves.begin).vertex.channel();
   }
   void add(std::uint32_t cluster, std::uint32_t gather, std::uint32_t light) {

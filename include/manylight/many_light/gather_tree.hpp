@@ -116,13 +116,13 @@ void GatherTree<Scene, W>::build(const std::vector<Sensor<Scene, W>>& sensors, c
     const Vec3<S> axis = v.is_in_medium() ? Vec3<S>(0) : v.pattern_normal();
     return ClusterItem<S>{v.position, axis, luminance(v.strength), id};
   };
-  if constexpr (!VertexOf<Scene>::k_may_be_subsurface) {
+  if constexpr (!VertexOf<Scene>::k_has_channels) {
     std::vector<ClusterItem<S>>& all = group_;
     all.clear();
     for (std::uint32_t i = 0; i < sensors.size(); ++i) all.push_back(item(sensors[i], i));
     append_tree(all, weighting, bounds);
   } else {
-    std::map<std::uint32_t, std::vector<ClusterItem<S>>> groups;
+    std::map<std::uint64_t, std::vector<ClusterItem<S>>> groups;
     for (std::uint32_t i = 0; i < sensors.size(); ++i) {
       groups[sensors[i].vertex.channel()].push_back(item(sensors[i], i));
     }

@@ -116,7 +116,7 @@ class LightTree {
     return is_leaf(id) ? leaf_node(id & ~k_leaf) : nodes_[id];
   }
   /// Channel of the VPLs of a root (see Vertex::channel).
-  [[nodiscard]] std::uint32_t channel(std::uint32_t root) const noexcept {
+  [[nodiscard]] std::uint64_t channel(std::uint32_t root) const noexcept {
     return vpls_[is_leaf(root) ? root & ~k_leaf : nodes_[root].leaves.begin].channel();
   }
   /// All VPLs, in leaf order.
@@ -176,18 +176,26 @@ LightTree<Scene>::LightTree(std::vector<VertexOf<Scene>> vpls, const Exec& execu
   vpls_.reserve(vpls.size());
   peaks_.reserve(vpls.size());
   std::vector<ClusterItem<S>> groups[3];
-  std::map<std::uint32_t, std::vector<ClusterItem<S>>> below;  // by channel
+  std::map<std::uint64_t, std::array<std::vector<ClusterItem<S>>, 3>> channels;
   for (std::size_t i = 0; i < vpls.size(); ++i) {
     const VertexOf<Scene>& v = vpls[i];
     const ClusterItem<S> item{v.position, has_normal(v) ? v.ng : Vec3<S>(0), luminance(v.strength),
                               static_cast<std::uint32_t>(i)};
     const int group = v.exact ? (v.is_infinite() ? 1 : 2) : (v.is_infinite() ? 1 : 0);
-    (v.is_inner() ? below[v.channel()] : groups[group]).push_back(item);
+    if constexpr (VertexOf<Scene>::k_has_channels) {
+      channels[v.channel()][group].push_back(item);
+    } else {
+      groups[group].push_back(item);
+    }
   }
   for (std::vector<ClusterItem<S>>& group : groups) {
     if (!group.empty()) append_tree(group, split_clusters(group, executor), vpls, bounds);
   }
-  for (auto& [channel, group] : below) append_tree(group, split_clusters(group, executor), vpls, bounds);
+  for (auto& [channel, groups_of] : channels) {
+    for (std::vector<ClusterItem<S>>& group : groups_of) {
+      if (!group.empty()) append_tree(group, split_clusters(group, executor), vpls, bounds);
+    }
+  }
 }
 
 /// The nodes of one tree, in the order of `clusters`, which puts children behind their parent, without the leaves.

@@ -9,6 +9,7 @@
 
 #include "manylight/core/executor.hpp"
 #include "manylight/path/light_subpath.hpp"
+#include "manylight/scene/instants.hpp"
 
 namespace manylight {
 
@@ -28,6 +29,14 @@ struct VplSet {
 };
 
 namespace detail {
+/// Marks the vertices from `first` on as of an instant, if the scene moves.
+template <AnyVertex V>
+void set_instant(std::vector<V>& vertices, std::size_t first, [[maybe_unused]] std::uint32_t instant) noexcept {
+  if constexpr (V::k_moves) {
+    for (std::size_t i = first; i < vertices.size(); ++i) vertices[i].instant = static_cast<InstantId>(instant);
+  }
+}
+
 /// VPLs of point and directional lights: one each, with all of its flux. No path start repeats them.
 template <class Scene>
 void append_exact_vpls(const Scene& scene, std::vector<VertexOf<Scene>>& out) {
@@ -86,21 +95,36 @@ template <class Scene, Sampler Random, Executor Exec>
     const std::size_t end = std::min(count, (b + 1) * per_batch);
     for (std::size_t i = b * per_batch; i < end; ++i) {
       auto stream = sampler.stream(Stage::light, first + i, 0);
-      LightSubpath<Scene, decltype(stream)>(scene, max_edges, stream, batch.rays, batch.vpls).trace();
+      const auto instant = static_cast<std::uint32_t>((first + i) % instant_count(scene));
+      const auto& now = at_instant(scene, instant);
+      const std::size_t first_vpl = batch.vpls.size();
+      LightSubpath<std::remove_cvref_t<decltype(now)>, decltype(stream)>(now, max_edges, stream, batch.rays, batch.vpls)
+          .trace();
+      set_instant(batch.vpls, first_vpl, instant);
       batch.path_ends.push_back(static_cast<std::uint32_t>(batch.vpls.size()));
     }
   });
   return batches;
 }
 
-/// Divides by the number of paths and averages; exact VPLs are left as they are.
+/// How many of `count` paths, which take the instants in turn, show the instant of `v`.
+template <AnyVertex V>
+[[nodiscard]] std::size_t paths_of(const V& v, std::size_t count, std::uint32_t instants) noexcept {
+  if constexpr (V::k_moves) {
+    return count / instants + (v.instant < count % instants ? 1 : 0);
+  } else {
+    return count;
+  }
+}
+
+/// Divides by the number of paths of an instant and averages; exact VPLs are left as they are.
 template <class Scene>
-void normalise(VplSet<Scene>& set, std::size_t exact_count) {
+void normalise(VplSet<Scene>& set, std::size_t exact_count, std::uint32_t instants) {
   using S = typename Scene::Scalar;
   if (set.vpls.size() == exact_count) return;
   double sum = 0;
   for (std::size_t i = exact_count; i < set.vpls.size(); ++i) {
-    set.vpls[i].strength /= static_cast<S>(set.path_count);
+    set.vpls[i].strength /= static_cast<S>(paths_of(set.vpls[i], set.path_count, instants));
     sum += static_cast<double>(luminance(set.vpls[i].strength));
   }
   set.mean_intensity = static_cast<S>(sum / static_cast<double>(set.vpls.size() - exact_count));
@@ -121,20 +145,26 @@ template <class Scene, Sampler Random, Executor Exec>
 [[nodiscard]] VplSet<Scene> trace_vpls(const Scene& scene, const VplConfig& config, const Random& sampler,
                                        const Exec& executor, RayCounts& rays) {
   VplSet<Scene> set;
-  detail::append_exact_vpls(scene, set.vpls);
+  for (std::uint32_t instant = 0; instant < instant_count(scene); ++instant) {
+    const std::size_t first = set.vpls.size();
+    detail::append_exact_vpls(at_instant(scene, instant), set.vpls);
+    detail::set_instant(set.vpls, first, instant);
+  }
   const std::size_t exact_count = set.vpls.size();
   const auto found = [&] { return set.vpls.size() - exact_count; };
   if (!detail::has_inexact_vpls(scene, config.max_edges)) return set;
   // Paths of delta lights into the void leave nothing: a bound on the number of paths ends such scenes.
   const std::size_t max_paths = 16 * config.count + 1;
-  while (found() < config.count && set.path_count < max_paths) {
+  while ((found() < config.count || set.path_count < instant_count(scene)) && set.path_count < max_paths) {
+    const std::size_t missing = config.count - std::min(found(), config.count);
     const std::size_t round =
-        std::min(detail::next_round(config.count - found(), found(), set.path_count), max_paths - set.path_count);
+        std::min(detail::next_round(missing, found(), set.path_count), max_paths - set.path_count);
     for (const auto& batch :
          detail::trace_light_paths(scene, config.max_edges, sampler, executor, set.path_count, round)) {
       rays += batch.rays;
       std::size_t begin = 0;
-      for (std::size_t i = 0; i < batch.path_ends.size() && found() < config.count; ++i) {
+      for (std::size_t i = 0; i < batch.path_ends.size(); ++i) {
+        if (found() >= config.count && set.path_count >= instant_count(scene)) break;
         const std::size_t end = batch.path_ends[i];
         for (std::size_t v = begin; v < end; ++v) set.vpls.push_back(batch.vpls[v]);
         begin = end;
@@ -142,7 +172,7 @@ template <class Scene, Sampler Random, Executor Exec>
       }
     }
   }
-  detail::normalise(set, exact_count);
+  detail::normalise(set, exact_count, instant_count(scene));
   return set;
 }
 

@@ -125,8 +125,10 @@ template <class V>
 template <AnyVertex V, std::floating_point S = typename V::Scalar>
 [[nodiscard]] inline Pair<S> connect(const V& sensor, const V& light, S scene_radius) noexcept {
   Pair<S> pair{};
-  if constexpr (V::k_may_be_subsurface) {
+  if constexpr (V::k_has_channels) {
     if (sensor.channel() != light.channel()) return pair;
+  }
+  if constexpr (V::k_may_be_subsurface) {
     if (sensor.is_inner()) return detail::connect_below(sensor, light);
   }
   if (light.is_infinite()) {
@@ -151,8 +153,12 @@ template <AnyVertex V, std::floating_point S = typename V::Scalar>
 template <class Scene>
 [[nodiscard]] typename Scene::ShadowRay shadow_ray(const VertexOf<Scene>& sensor, const VertexOf<Scene>& light,
                                                    std::uint64_t seed = 0) {
-  return light.is_infinite() ? Scene::shadow_ray(sensor.anchor(), light.position, seed)
-                             : Scene::shadow_ray(sensor.anchor(), light.anchor(), seed);
+  if constexpr (requires { typename Scene::InstantType; }) {
+    return {shadow_ray<typename Scene::InstantType>(sensor, light, seed), sensor.instant};
+  } else {
+    return light.is_infinite() ? Scene::shadow_ray(sensor.anchor(), light.position, seed)
+                               : Scene::shadow_ray(sensor.anchor(), light.anchor(), seed);
+  }
 }
 
 }  // namespace manylight

@@ -15,11 +15,13 @@
 namespace manylight {
 
 /// A VPS with what its weights need to know of the vertices before it.
-template <class Scene, class W>
-struct Sensor {
-  VertexOf<Scene> vertex;
-  typename W::Record record;
+template <AnyVertex V, class Record>
+struct SensorOf {
+  V vertex;
+  Record record;
 };
+template <class Scene, class W>
+using Sensor = SensorOf<VertexOf<Scene>, typename W::Record>;
 
 /// Bound of the sensor's own D over all light-side directions, sr^-1.
 template <AnyVertex V, std::floating_point S = typename V::Scalar>

@@ -62,6 +62,13 @@ struct VertexSubsurface {
 };
 template <>
 struct VertexSubsurface<NoSubsurface> {};
+/// What only vertices of scenes in motion carry.
+template <class Motion>
+struct VertexInstant {
+  std::uint16_t instant = 0;
+};
+template <>
+struct VertexInstant<Still> {};
 }  // namespace detail
 
 /// What a vertex scatters or emits like.
@@ -79,11 +86,13 @@ enum class VertexKind : std::uint8_t {
 
 /// The one vertex of the toolkit: at the end of an eye subpath a virtual point sensor (VPS), at the end of a light
 /// subpath a virtual point light (VPL). All directions are unit, world frame, and point away from the vertex.
-template <std::floating_point S, Material M, class Phase = NoPhase, class Subsurface = NoSubsurface>
-struct Vertex : detail::VertexMedium<Phase>, detail::VertexSubsurface<Subsurface> {
+template <std::floating_point S, Material M, class Phase = NoPhase, class Subsurface = NoSubsurface, class Motion = Still>
+struct Vertex : detail::VertexMedium<Phase>, detail::VertexSubsurface<Subsurface>, detail::VertexInstant<Motion> {
   using Scalar = S;
   static constexpr bool k_may_be_in_medium = !std::is_same_v<Phase, NoPhase>;
   static constexpr bool k_may_be_subsurface = !std::is_same_v<Subsurface, NoSubsurface>;
+  static constexpr bool k_moves = Motion::k_moves;
+  static constexpr bool k_has_channels = k_may_be_subsurface || k_moves;
   Vec3<S> position{0};
   S error = S(0);         ///< bound of the absolute error of `position`, m
   Vec3<S> ng{0, 0, 1};    ///< geometric normal, on the side of `w` for two-sided surfaces
@@ -102,12 +111,14 @@ struct Vertex : detail::VertexMedium<Phase>, detail::VertexSubsurface<Subsurface
   [[nodiscard]] bool is_inner() const noexcept { return k_may_be_subsurface && kind == VertexKind::subsurface_inner; }
   /// The normal that the pattern's cosine is taken with.
   [[nodiscard]] const Vec3<S>& pattern_normal() const noexcept { return is_outer() ? ng : shading.normal(); }
-  /// Only vertices of the same channel are connected: 0 for all but the inner ones of an object.
-  [[nodiscard]] std::uint32_t channel() const noexcept {
+  /// Only vertices of the same channel are connected: those of one instant, and of them the inner ones of one object.
+  [[nodiscard]] std::uint64_t channel() const noexcept {
+    std::uint64_t channel = 0;
+    if constexpr (k_moves) channel = std::uint64_t{this->instant} << 33;
     if constexpr (k_may_be_subsurface) {
-      if (is_inner()) return this->object + 1;
+      if (is_inner()) channel += std::uint64_t{this->object} + 1;
     }
-    return 0;
+    return channel;
   }
   [[nodiscard]] Anchor<S> anchor() const noexcept {
     Anchor<S> a{position, error, ng};
@@ -118,14 +129,14 @@ struct Vertex : detail::VertexMedium<Phase>, detail::VertexSubsurface<Subsurface
 
 template <class V>
 inline constexpr bool k_is_vertex = false;
-template <std::floating_point S, Material M, class Phase, class Subsurface>
-inline constexpr bool k_is_vertex<Vertex<S, M, Phase, Subsurface>> = true;
+template <std::floating_point S, Material M, class... Effects>
+inline constexpr bool k_is_vertex<Vertex<S, M, Effects...>> = true;
 template <class V>
 concept AnyVertex = k_is_vertex<V>;
 
 template <class Scene>
-using VertexOf =
-    Vertex<typename Scene::Scalar, typename Scene::Material, typename Scene::Phase, typename Scene::Subsurface>;
+using VertexOf = Vertex<typename Scene::Scalar, typename Scene::Material, typename Scene::Phase,
+                       typename Scene::Subsurface, typename Scene::MotionType>;
 
 /// A surface vertex at `hit` with the known direction `w`; strength and edges are left to the caller.
 template <AnyVertex V, std::floating_point S, Material M>

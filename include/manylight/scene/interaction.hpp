@@ -32,6 +32,14 @@ struct Interaction {
   MediaSides media{};  ///< front on the side of `ng`
 };
 
+/// Whether a scene is one instant of a motion (instants.hpp).
+struct Still {
+  static constexpr bool k_moves = false;
+};
+struct Moving {
+  static constexpr bool k_moves = true;
+};
+
 /// One end of a shadow ray: a point, the error bound of its coordinates (m), its geometric normal and what surrounds it.
 template <std::floating_point S>
 struct Anchor {

@@ -24,7 +24,7 @@ namespace manylight {
 
 /// The composition: geometry backend, what surfaces are made of, and what emits. World frame, metres. A scene knows at
 /// compile time which effects exist: with a Lambertian shader no gloss, opacity or absorption code is instantiated.
-template <class G, class Shader, class Media = NoMedia>
+template <class G, class Shader, class Media = NoMedia, class Motion = Still>
 class Scene {
   static_assert(Geometry<G>,
                 "manylight::Scene: the first argument must model Geometry: Scalar, closest_hit, any_hit, all_hits, "
@@ -39,16 +39,19 @@ class Scene {
   using GeometryType = G;
   using ShaderType = Shader;
   using Phase = typename Media::Phase;
+  using MotionType = Motion;
   using Subsurface = typename detail::SubsurfaceOf<Shader>::Type;
   static constexpr bool k_has_media = Media::k_exist;
+  static constexpr bool k_moves = Motion::k_moves;
   static constexpr bool k_has_subsurface = !std::is_same_v<Subsurface, NoSubsurface>;
   using ShadowRay = std::conditional_t<k_has_media, MediumRay<Scalar>, Ray<Scalar>>;
   /// Part of light that passes a segment: one number, or one per channel if there are media.
   using Passed = std::conditional_t<k_has_media, Rgb<Scalar>, Scalar>;
 
-  /// `shader_of_shape[id]` indexes `shaders`. Throws SceneError when the sizes or indices do not fit.
+  /// `shader_of_shape[id]` indexes `shaders`. `world`: a box around all that light from infinity may reach, if it is more
+  /// than the shapes': all instants of a motion need the same. Throws SceneError when the sizes or indices do not fit.
   Scene(G geometry, std::vector<Shader> shaders, std::vector<std::uint32_t> shader_of_shape,
-        EmitterList<Scalar> emitters, Media media = {});
+        EmitterList<Scalar> emitters, Media media = {}, const std::optional<Box<Scalar>>& world = {});
 
   [[nodiscard]] const G& geometry() const noexcept { return geometry_; }
   [[nodiscard]] const Emitters<Scalar>& emitters() const noexcept { return emitters_; }
@@ -105,13 +108,14 @@ class Scene {
   [[no_unique_address]] Media media_;
 };
 
-template <class G, class Shader, class Media>
-Scene<G, Shader, Media>::Scene(G geometry, std::vector<Shader> shaders, std::vector<std::uint32_t> shader_of_shape,
-                        EmitterList<Scalar> emitters, Media media)
+template <class G, class Shader, class Media, class Motion>
+Scene<G, Shader, Media, Motion>::Scene(G geometry, std::vector<Shader> shaders, std::vector<std::uint32_t> shader_of_shape,
+                        EmitterList<Scalar> emitters, Media media,
+                        const std::optional<Box<Scalar>>& world)
     : geometry_(std::move(geometry)),
       shaders_(std::move(shaders)),
       shader_of_shape_(std::move(shader_of_shape)),
-      emitters_(std::move(emitters), geometry_.shapes(), geometry_.bounds()),
+      emitters_(std::move(emitters), geometry_.shapes(), world.value_or(geometry_.bounds())),
       media_(std::move(media)) {
   const std::size_t shape_count = geometry_.shapes().size();
   if (shader_of_shape_.size() != shape_count) {
@@ -129,9 +133,9 @@ Scene<G, Shader, Media>::Scene(G geometry, std::vector<Shader> shaders, std::vec
   }
 }
 
-template <class G, class Shader, class Media>
+template <class G, class Shader, class Media, class Motion>
 template <SampleStream Stream>
-std::optional<SurfacePoint<typename G::Scalar>> Scene<G, Shader, Media>::intersect(Ray<Scalar> ray, Stream& stream,
+std::optional<SurfacePoint<typename G::Scalar>> Scene<G, Shader, Media, Motion>::intersect(Ray<Scalar> ray, Stream& stream,
                                                                              RayCounts& rays) const {
   for (;;) {
     ++rays.closest;
@@ -149,8 +153,8 @@ std::optional<SurfacePoint<typename G::Scalar>> Scene<G, Shader, Media>::interse
   }
 }
 
-template <class G, class Shader, class Media>
-Interaction<typename G::Scalar, typename Shader::Material> Scene<G, Shader, Media>::interaction(
+template <class G, class Shader, class Media, class Motion>
+Interaction<typename G::Scalar, typename Shader::Material> Scene<G, Shader, Media, Motion>::interaction(
     const SurfacePoint<Scalar>& point, const Vec3<Scalar>& w, [[maybe_unused]] MediumId medium) const {
   const Shader& surface = shader(point.shape);
   const bool outside = glm::dot(point.ng, w) >= Scalar(0);
@@ -166,8 +170,8 @@ Interaction<typename G::Scalar, typename Shader::Material> Scene<G, Shader, Medi
   return hit;
 }
 
-template <class G, class Shader, class Media>
-auto Scene<G, Shader, Media>::visibility(const ShadowRay& ray, RayCounts& rays) const -> Passed {
+template <class G, class Shader, class Media, class Motion>
+auto Scene<G, Shader, Media, Motion>::visibility(const ShadowRay& ray, RayCounts& rays) const -> Passed {
   ++rays.shadow;
   if constexpr (k_has_media) {
     return transmitted(ray);
@@ -176,8 +180,8 @@ auto Scene<G, Shader, Media>::visibility(const ShadowRay& ray, RayCounts& rays) 
   }
 }
 
-template <class G, class Shader, class Media>
-void Scene<G, Shader, Media>::visibility(std::span<const ShadowRay> segments, std::span<Passed> passed,
+template <class G, class Shader, class Media, class Motion>
+void Scene<G, Shader, Media, Motion>::visibility(std::span<const ShadowRay> segments, std::span<Passed> passed,
                                          RayCounts& rays) const {
   MANYLIGHT_ASSERT(segments.size() == passed.size());
   rays.shadow += segments.size();
@@ -197,8 +201,8 @@ void Scene<G, Shader, Media>::visibility(std::span<const ShadowRay> segments, st
 }
 
 /// What passes a segment that meets some surface: the product of (1 - opacity) over all that it meets.
-template <class G, class Shader, class Media>
-typename G::Scalar Scene<G, Shader, Media>::transparency_of_blocked([[maybe_unused]] Ray<Scalar> ray) const {
+template <class G, class Shader, class Media, class Motion>
+typename G::Scalar Scene<G, Shader, Media, Motion>::transparency_of_blocked([[maybe_unused]] Ray<Scalar> ray) const {
   if constexpr (!Shader::k_may_be_transparent) {
     return Scalar(0);
   } else {
@@ -216,8 +220,8 @@ typename G::Scalar Scene<G, Shader, Media>::transparency_of_blocked([[maybe_unus
   }
 }
 
-template <class G, class Shader, class Media>
-Ray<typename G::Scalar> Scene<G, Shader, Media>::beyond(const Ray<Scalar>& ray,
+template <class G, class Shader, class Media, class Motion>
+Ray<typename G::Scalar> Scene<G, Shader, Media, Motion>::beyond(const Ray<Scalar>& ray,
                                                         const SurfacePoint<Scalar>& point) noexcept {
   Ray<Scalar> rest = ray;
   rest.origin = offset_origin(point.position, point.error, point.ng, ray.direction);
@@ -228,8 +232,8 @@ Ray<typename G::Scalar> Scene<G, Shader, Media>::beyond(const Ray<Scalar>& ray,
 }
 
 /// What passes a segment through media and boundaries. First all surfaces, which may stop everything, then the media.
-template <class G, class Shader, class Media>
-auto Scene<G, Shader, Media>::transmitted(const MediumRay<Scalar>& segment) const -> Passed {
+template <class G, class Shader, class Media, class Motion>
+auto Scene<G, Shader, Media, Motion>::transmitted(const MediumRay<Scalar>& segment) const -> Passed {
   struct Piece {
     Ray<Scalar> ray;
     MediumId medium;
