@@ -14,45 +14,13 @@
 #include "manylight/geometry/bvh.hpp"
 #include "manylight/geometry/mesh_builders.hpp"
 #include "manylight/scattering/subsurface.hpp"
+#include "path/line_shapes.hpp"
 #include "scattering/falloff_support.hpp"
 #include "support/chi_square.hpp"
 #include "support/z_test.hpp"
 
 namespace manylight::test {
 namespace {
-
-template <std::floating_point S>
-[[nodiscard]] Shapes<S> disk_of(S radius, const Vec3<S>& center = Vec3<S>(0)) {
-  Shapes<S> shapes;
-  shapes.disks.push_back({center, {0, 0, 1}, {1, 0, 0}, radius});
-  return shapes;
-}
-/// The square [-size, size]^2 at height z, of cells^2 squares cut in two.
-template <std::floating_point S>
-void append_grid(TriangleMesh<S>& mesh, int cells, S size, S z, const Vec3<S>& center = Vec3<S>(0)) {
-  const auto first = static_cast<std::uint32_t>(mesh.positions.size());
-  const auto columns = static_cast<std::uint32_t>(cells + 1);
-  for (std::uint32_t i = 0; i < columns; ++i) {
-    for (std::uint32_t j = 0; j < columns; ++j) {
-      const auto at = [&](std::uint32_t k) { return size * (S(2) * static_cast<S>(k) / static_cast<S>(cells) - S(1)); };
-      mesh.positions.push_back(center + Vec3<S>(at(i), at(j), z));
-    }
-  }
-  for (std::uint32_t i = 0; i + 1 < columns; ++i) {
-    for (std::uint32_t j = 0; j + 1 < columns; ++j) {
-      const std::uint32_t a = first + i * columns + j;
-      mesh.triangles.push_back({a, a + columns, a + columns + 1});
-      mesh.triangles.push_back({a, a + columns + 1, a + 1});
-    }
-  }
-}
-template <std::floating_point S>
-[[nodiscard]] Shapes<S> grid_of(int cells, S size, const Vec3<S>& center = Vec3<S>(0)) {
-  Shapes<S> shapes;
-  shapes.meshes.emplace_back();
-  append_grid(shapes.meshes.front(), cells, size, S(0), center);
-  return shapes;
-}
 
 /// Mean over the channels, what lines are drawn by.
 template <class F>
@@ -133,21 +101,6 @@ TEST(RandomLines, TessellatedPlanesAreNoDifferent) {
   EXPECT_TRUE(in_double.passes(sidak_level(1e-4, 2))) << in_double.describe();
 }
 
-/// Crossings of each of `lines` lines.
-template <Geometry G, SubsurfaceFalloff F>
-[[nodiscard]] std::vector<int> counts_of(const G& geometry, const Vec3<typename G::Scalar>& center, const F& falloff,
-                                         int lines, std::uint64_t seed) {
-  using S = typename G::Scalar;
-  std::vector<int> counts;
-  for (int i = 0; i < lines; ++i) {
-    IndependentStream<S> stream(seed, Stage::test, static_cast<std::uint64_t>(i), 0);
-    int count = 0;
-    random_lines(geometry, 0, center, falloff, 1, stream, [&](const SurfacePoint<S>&, S) { ++count; });
-    counts.push_back(count);
-  }
-  return counts;
-}
-
 // No line is lost or counted twice at an edge: lines that end next to the plane apart, a grid and a disk are crossed by
 // the same ones, to the line.
 TEST(RandomLines, GridsAndDisksAreCrossedByTheSameLines) {
@@ -159,7 +112,8 @@ TEST(RandomLines, GridsAndDisksAreCrossedByTheSameLines) {
   EXPECT_LE(different, 1);  // an end within some 1e-6 of the plane: one in 1e6
 }
 
-// A cube, from a face's centre and from next to an edge: lines against the slab test, in double.
+// A cube, from a face's centre and from next to an edge: lines against the slab test, in double. Planted bugs seen to
+// fail, here and above: crossings near edges dropped; lines cut at t = 0.9 (here).
 TEST(RandomLines, CubesAreCrossedWhereTheirSlabsAre) {
   Shapes<double> shapes;
   shapes.meshes.push_back(cube_mesh<double>());
@@ -186,52 +140,17 @@ TEST(RandomLines, CubesAreCrossedWhereTheirSlabsAre) {
   }
 }
 
-// Lines by hand through edges and vertices: every position and diagonal of the grid is a power of two times small
-// integers, so that all is exact. Planted bug seen to fail: EdgeCrossings::is_new always true.
-template <std::floating_point S>
-void edges_count_once() {
-  const auto crossings = [](const Bvh<S>& geometry, const Vec3<S>& through, const Vec3<S>& direction) {
-    int count = 0;
-    shape_crossings(geometry, 0, Ray<S>{through - direction, direction * S(2), S(0), S(1)},
-                    [&](const Hit<S>&) { ++count; });
-    return count;
-  };
-  const std::array<Vec3<S>, 3> directions{Vec3<S>(0, 0, 1), Vec3<S>(S(0.25), S(-0.5), -1), Vec3<S>(1, 0, S(0.5))};
-  const Bvh<S> grid(grid_of(8, S(4)));
-  // On an edge along an axis, on a diagonal, on a vertex of six triangles, inside, on the rim, on a corner.
-  const std::array<Vec3<S>, 6> points{Vec3<S>(S(0.5), 0, 0),       Vec3<S>(S(0.25), S(0.25), 0), Vec3<S>(1, -2, 0),
-                                      Vec3<S>(S(0.5), S(0.25), 0), Vec3<S>(4, S(0.5), 0),        Vec3<S>(4, 4, 0)};
-  for (const Vec3<S>& point : points) {
-    for (const Vec3<S>& direction : directions) EXPECT_EQ(crossings(grid, point, direction), 1) << point.x << point.y;
-  }
-  // Thinner than rounding of t: 2^-40 of the chord. The two sides have positions of their own.
-  Shapes<S> slab;
-  slab.meshes.emplace_back();
-  append_grid(slab.meshes.front(), 8, S(4), S(0));
-  append_grid(slab.meshes.front(), 8, S(4), S(0x1p-40));
-  const Bvh<S> thin(slab);
-  for (const Vec3<S>& point : points) EXPECT_EQ(crossings(thin, point, directions[0]), 2) << point.x << point.y;
-  // Every face of the cube has vertices of its own; one edge belongs to two.
-  Shapes<S> shapes;
-  shapes.meshes.push_back(cube_mesh<S>());
-  const Bvh<S> cube(shapes);
-  EXPECT_EQ(crossings(cube, Vec3<S>(1, 1, 0), Vec3<S>(S(0.5), S(0.5), 0)), 1);       // in by an edge
-  EXPECT_EQ(crossings(cube, Vec3<S>(1, 1, 1), Vec3<S>(S(0.5), S(0.5), S(0.5))), 1);  // by a corner
-  EXPECT_EQ(crossings(cube, Vec3<S>(0), Vec3<S>(2, 2, 0)), 2);                       // through two edges
-  EXPECT_EQ(crossings(cube, Vec3<S>(0), Vec3<S>(2, 2, 2)), 2);                       // through two corners
-}
 TEST(ShapeCrossings, EdgesCountOnce) {
-  edges_count_once<float>();
-  edges_count_once<double>();
+  edges_count_once<Bvh<float>>(true);
+  edges_count_once<Bvh<double>>(true);
 }
 
 // Far from the origin, where coordinates are a coarse lattice of 6e-5 m and so are the ends of lines: 1/2 per line
-// still. Level 1e-4. Planted bug seen to fail: t up to 1 with the end rounded to the lattice, for a falloff as long as
-// this one.
+// still. Level 1e-4. Planted bugs seen to fail: lines to an end that is rounded, t up to 1; edges counted twice.
 TEST(RandomLines, FarFromTheOriginMeshesAreCrossedJustAsOften) {
   const Vec3<float> center(1000, 1000, 1000);
-  const Bvh<float> grid(grid_of(64, 0.25F, center));
-  const ExponentialFalloff<float> falloff(Rgb<float>(0.004F));
+  const Bvh<float> grid(grid_of(256, 0.25F, center));
+  const ExponentialFalloff<float> falloff(Rgb<float>(0.001F));
   constexpr int k_lines = 200000;
   double hits = 0;
   for (const int count : counts_of(grid, center, falloff, k_lines, 330)) {
@@ -348,7 +267,7 @@ TEST(RandomLines, OtherShapesArePassedThrough) {
 }
 
 // Both sides of a slab much thinner than the falloff: each is crossed by half the lines, most lines cross both; the
-// points stand on both. Level 1e-4.
+// points stand on both. Level 1e-4. Planted bug seen to fail: edges counted twice.
 TEST(RandomLines, ThinSlabsAreCrossedOnBothSides) {
   Shapes<float> slab;
   slab.meshes.emplace_back();

@@ -26,7 +26,7 @@ void for_each_falloff(const Function& f) {
   f(dipole<S>(), "dipole");
 }
 
-// Planted bugs seen to fail: 4 pi for 8 pi of Burley's; the virtual pole's share swapped with the real one's.
+// Planted bug seen to fail: 4 pi for 8 pi of Burley's.
 TEST(SubsurfaceFalloff, IntegratesToOneOverThePlaneInEachChannel) {
   for_each_falloff<double>([](const auto& falloff, const std::string& name) {
     for (int k = 0; k < 3; ++k) {
@@ -60,7 +60,7 @@ TEST(SubsurfaceFalloff, ValuesByHand) {
 }
 
 // Family of all falloffs: level 1e-4. Planted bugs seen to fail: two exponential variates for three; 1/2 and 1/2 for
-// Burley's scales; the square missing under the dipole's root.
+// Burley's scales; y + 2 for y (y + 2) under the dipole's root; the shares of its poles exchanged in eval.
 template <std::floating_point S>
 void radii_follow_the_law(std::uint64_t seed) {
   for_each_falloff<S>([&](const auto& falloff, const std::string& name) {
@@ -115,7 +115,8 @@ TEST(SubsurfaceFalloff, LinePdfIsTheMeanOverRadii) {
   });
 }
 
-// tau / p of n lines is pi g / (n line_pdf): 2 pi / n of equal channels, at most 6 pi / n.
+// tau / p of n lines is pi g / (n line_pdf): 2 pi / n of equal channels, at most 6 pi / n. Planted bug seen to fail:
+// half the density.
 TEST(SubsurfaceFalloff, TheFalloffOverTheDensityIsBounded) {
   for_each_falloff<float>([](const auto& falloff, const std::string& name) {
     for (float d = 0; d < 30; d += 0.1F) {
@@ -172,13 +173,14 @@ void finite_everywhere() {
     check(DipoleFalloff<S>(Rgb<S>(S(0.5) / length), Rgb<S>(S(1) / length), S(1.5)), "dipole");
   }
 }
+// Planted bugs seen to fail: no floor for Burley; the dipole's distance squared as it is.
 TEST(SubsurfaceFalloff, FiniteEverywhere) {
   finite_everywhere<float>();
   finite_everywhere<double>();
 }
 
-// The formulas as printed, with F_dr from quadrature of Fresnel's equations. Planted bug seen to fail: 2 A / 3 for 4 A
-// / 3.
+// The formulas as printed, with F_dr from quadrature of Fresnel's equations. Planted bugs seen to fail: 2 A / 3 for
+// 4 A / 3; the shares of the poles exchanged.
 TEST(Dipole, EqualsItsFormula) {
   const double sigma_a = 0.3;
   const double sigma_s = 2.1;

@@ -37,6 +37,7 @@ TEST(Subsurface, PatternIntegratesToTheTransmittance) {
   }
 }
 
+// Planted bug seen to fail: the least reflectance at the lower cosine.
 TEST(Subsurface, PatternOfCosinesHoldsItsValues) {
   for (const float eta : {1.0F, 0.7F, 1.5F, 5.0F}) {
     const Subsurface<GaussianFalloff<float>> body{gaussian<float>(), Rgb<float>(1), eta};
