@@ -117,6 +117,7 @@
 #include "manylight/path/medium_walk.hpp"
 #include "manylight/path/missing_energy.hpp"
 #include "manylight/path/random_lines.hpp"
+
 #include "manylight/path/subsurface_walk.hpp"
 #include "manylight/path/transfer.hpp"
 #include "manylight/path/vertex.hpp"

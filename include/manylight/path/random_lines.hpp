@@ -21,15 +21,15 @@ namespace manylight {
 
 namespace detail {
 
-/// Tells the hits of one line on a mesh apart from hits that backends report twice, as they may on an edge that triangles
-/// share. Distance cannot tell: the two sides of a thin body may be nearer than rounding. The edge can: both hits have a
-/// weight of 0 up to rounding, and what remains of their corners, two of an edge or one, is in the same places (meshes
-/// often have several vertices in one). Hits inside triangles always count.
+/// Tells the hits of one line on a mesh apart from hits that backends report twice, as they may on an edge that
+/// triangles share. Distance cannot tell: the two sides of a thin body may be nearer than rounding. The edge can: both
+/// hits have a weight of 0 up to rounding, and what remains of their corners, two of an edge or one, is in the same
+/// places (meshes often have several vertices in one). Hits inside triangles always count.
 template <std::floating_point S>
 class EdgeCrossings {
  public:
-  /// Whether `hit` is none of those seen before. More than k_most different crossings of edges on one line, which take a
-  /// line through the vertices of a regular mesh, are all taken for new.
+  /// Whether `hit` is none of those seen before. More than k_most different crossings of edges on one line, which take
+  /// a line through the vertices of a regular mesh, are all taken for new.
   [[nodiscard]] bool is_new(const TriangleMesh<S>& mesh, const Hit<S>& hit) noexcept {
     const Place place = place_of(mesh, hit);
     if (place.count == 3) return true;
@@ -107,10 +107,10 @@ template <SubsurfaceFalloff F, SampleStream Stream>
 }
 
 /// Draws `count` random lines around `center` (m), a point on or near the surface of the shape of that id, and calls
-/// `visit(point, pdf_area)` for each of their crossings with that shape: a SurfacePoint and the expected number of points
-/// per area there, m^-2, of all `count` lines together; always positive. A sum over crossings of f(point) / pdf_area
-/// estimates the integral of f over the shape's surface, as far as the falloff reaches. Costs `count` all_hits queries,
-/// no allocation beyond theirs.
+/// `visit(point, pdf_area)` for each of their crossings with that shape: a SurfacePoint and the expected number of
+/// points per area there, m^-2, of all `count` lines together; always positive. A sum over crossings of f(point) /
+/// pdf_area estimates the integral of f over the shape's surface, as far as the falloff reaches. Costs `count` all_hits
+/// queries, no allocation beyond theirs.
 ///
 /// Points nearer to `center` than the rounding of its coordinates are drawn inaccurately: the falloff should be much
 /// longer than that.

@@ -15,9 +15,9 @@ namespace manylight {
 
 namespace detail {
 
-/// Radius law of one pole at the depth z, in units of z. With s = sqrt(d^2 + z^2), x = s / z and a = sigma_tr z its share
-/// of the plane is g = z exp(a) / (2 pi) (1 + sigma_tr s) exp(-sigma_tr s) / s^3, since
-/// d/ds (exp(-sigma s) / s) = -(1 + sigma s) exp(-sigma s) / s^2, and radii of density -pi r^2 g'(r) have
+/// Radius law of one pole at the depth z, in units of z. With s = sqrt(d^2 + z^2), x = s / z and a = sigma_tr z its
+/// share of the plane is g = z exp(a) / (2 pi) (1 + sigma_tr s) exp(-sigma_tr s) / s^3, since d/ds (exp(-sigma s) / s)
+/// = -(1 + sigma s) exp(-sigma s) / s^2, and radii of density -pi r^2 g'(r) have
 ///   density    p(x) = (x^2 - 1) exp(-a (x - 1)) (3 + 3 a x + a^2 x^2) / (2 x^4),
 ///   tail       Q(x) = exp(-a (x - 1)) / x (1 + (1 - 1 / x^2) (1 + a x) / 2),
 /// by parts: Q is the plane's share beyond r plus pi r^2 g(r).
@@ -31,7 +31,8 @@ struct DipoleRadiusLaw {
     const double ax = a * x;
     return 0.5 * (1 - 1 / (x * x)) * std::exp(-a * (x - 1)) * (3 + 3 * ax + ax * ax) / (x * x);
   }
-  /// x - 1 where the share below is `u` in [0, 1): Newton's method on log Q, by bisection where that leaves the bracket.
+  /// x - 1 where the share below is `u` in [0, 1): Newton's method on log Q, by bisection where that leaves the
+  /// bracket.
   [[nodiscard]] double invert(double u) const noexcept {
     if (!(u > 0)) return 0;
     const double target = std::log1p(-u);
@@ -56,21 +57,22 @@ struct DipoleRadiusLaw {
 
 /// Diffusion dipole [Jensen 2001], one channel: a source at the depth z_r = 1 / sigma_t' below the surface and its
 /// image at z_v = z_r (1 + 4 A / 3) above, A = (1 + F_dr) / (1 - F_dr), each falling with sigma_tr = sqrt(3 sigma_a
-/// sigma_t'). R_d(d) = reflectance g(d); both poles' shares of the plane are closed forms, exp(-sigma_tr z) each, and so
-/// are their radius laws: lines have the density g / 2 exactly. F_dr, the mean reflectance from inside, is computed
+/// sigma_t'). R_d(d) = reflectance g(d); both poles' shares of the plane are closed forms, exp(-sigma_tr z) each, and
+/// so are their radius laws: lines have the density g / 2 exactly. F_dr, the mean reflectance from inside, is computed
 /// exactly instead of by Jensen's polynomial.
 template <std::floating_point S>
 struct DipoleProfile {
   using Scalar = S;
-  S sigma_tr = S(0);                   ///< effective transport coefficient, m^-1
-  S z_real = S(1e-3);                  ///< m
-  S z_virtual = S(3e-3);               ///< m
-  S real_share = S(0.5);               ///< of the plane's integral
-  S virtual_share = S(0.5);            ///< 1 - real_share, without cancellation
-  S reflectance = S(1);                ///< total diffuse reflectance, int_0^inf 2 pi r R_d dr, in [0, 1]
+  S sigma_tr = S(0);         ///< effective transport coefficient, m^-1
+  S z_real = S(1e-3);        ///< m
+  S z_virtual = S(3e-3);     ///< m
+  S real_share = S(0.5);     ///< of the plane's integral
+  S virtual_share = S(0.5);  ///< 1 - real_share, without cancellation
+  S reflectance = S(1);      ///< total diffuse reflectance, int_0^inf 2 pi r R_d dr, in [0, 1]
 
   DipoleProfile() = default;
-  /// `sigma_a` >= 0, reduced `sigma_s` > 0, m^-1; `eta`: index of refraction inside over outside. Throws ParameterError.
+  /// `sigma_a` >= 0, reduced `sigma_s` > 0, m^-1; `eta`: index of refraction inside over outside. Throws
+  /// ParameterError.
   DipoleProfile(S sigma_a, S sigma_s, S eta) {
     check::non_negative("dipole's absorption coefficient", sigma_a);
     check::positive("dipole's reduced scattering coefficient", sigma_s);

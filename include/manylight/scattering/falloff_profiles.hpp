@@ -20,7 +20,8 @@ template <SampleStream Stream>
 }
 }  // namespace detail
 
-/// g = exp(-d / l) / (2 pi l^2). Radii have the density r^2 exp(-r / l) / (2 l^3), the sum of three exponential variates.
+/// g = exp(-d / l) / (2 pi l^2). Radii have the density r^2 exp(-r / l) / (2 l^3), the sum of three exponential
+/// variates.
 template <std::floating_point S>
 struct ExponentialProfile {
   using Scalar = S;
@@ -31,9 +32,7 @@ struct ExponentialProfile {
 
   /// Throws ParameterError.
   void validate() const { check::positive("exponential falloff's length", length); }
-  [[nodiscard]] S eval(S d) const noexcept {
-    return std::exp(-d / length) / length / length * (S(0.5) * k_inv_pi<S>);
-  }
+  [[nodiscard]] S eval(S d) const noexcept { return std::exp(-d / length) / length / length * (S(0.5) * k_inv_pi<S>); }
   template <SampleStream Stream>
   [[nodiscard]] S sample_radius(Stream& stream) const noexcept {
     const S first = detail::exponential_variate(stream);

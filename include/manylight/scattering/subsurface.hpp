@@ -25,7 +25,7 @@ struct Subsurface {
   using Falloff = F;
   F falloff{};
   Rgb<S> rho{S(0.8)};  ///< albedo: share that comes back, of what enters, on a plane; per channel, [0, 1]
-  S eta = S(1);        ///< index of refraction inside over outside of a smooth boundary; 1: Ft = 1, as if there were none
+  S eta = S(1);  ///< index of refraction inside over outside of a smooth boundary; 1: Ft = 1, as if there were none
 
   /// Throws ParameterError.
   void validate() const {

@@ -15,10 +15,10 @@
 namespace manylight {
 
 /// How subsurface scattering falls off with the distance between where light enters a body and where it leaves, and the
-/// random lines that draw such points [Walter 2012, section 7]: two independent uniform points on a sphere around x span
-/// a chord, and its crossings with the body's surface are the points. A sphere of radius r makes 1 / (2 pi r^2) crossings
-/// per chord and area everywhere inside, whatever the surface; with the density -pi r^2 g'(r) of radii that becomes
-/// g(d) / 2 at the distance d. Contract:
+/// random lines that draw such points [Walter 2012, section 7]: two independent uniform points on a sphere around x
+/// span a chord, and its crossings with the body's surface are the points. A sphere of radius r makes 1 / (2 pi r^2)
+/// crossings per chord and area everywhere inside, whatever the surface; with the density -pi r^2 g'(r) of radii that
+/// becomes g(d) / 2 at the distance d. Contract:
 ///  - `eval(d)`: g per channel, m^-2, of d >= 0 m (may be infinite): finite, not negative, falling, and
 ///    int_0^inf 2 pi r g(r) dr = 1: how much comes back is the albedo of `Subsurface`;
 ///  - `sample_radius(stream)`: draws a sphere's radius, m, >= 0 and finite;
