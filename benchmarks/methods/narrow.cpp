@@ -129,11 +129,11 @@ Times render_all(const SceneType& scene, double& sum) {
   const LightSide<SceneType> side = prepare_lights(scene, camera, filter, many, sampler, SerialExecutor{});
   const LightTree<SceneType> tree(side.lights.vpls, SerialExecutor{});
   start = thread_seconds();
-  sum += static_cast<double>(render_lightcuts(scene, camera, filter, many, side, tree, sampler, SerialExecutor{}).image.pixels[0].x);
+  const auto cuts = render_lightcuts(scene, camera, filter, many, side, tree, sampler, SerialExecutor{});
   times.lightcuts = 1e3 * (thread_seconds() - start) / pixels;
   start = thread_seconds();
-  sum += static_cast<double>(
-      render_bidirectional_lightcuts(scene, camera, filter, many, side, tree, sampler, SerialExecutor{}).image.pixels[0].x);
+  const auto bdlc = render_bidirectional_lightcuts(scene, camera, filter, many, side, tree, sampler, SerialExecutor{});
+  sum += static_cast<double>(cuts.image.pixels[0].x + bdlc.image.pixels[0].x);
   times.bdlc = 1e3 * (thread_seconds() - start) / pixels;
   return times;
 }

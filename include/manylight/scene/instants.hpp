@@ -26,7 +26,8 @@ struct InstantRay {
 /// A scene in motion. `S`: a Scene whose Motion is Moving.
 template <class S>
 class Instants {
-  static_assert(S::k_moves, "manylight::Instants: the scenes must be of a Scene<..., Moving>, whose vertices tell instants apart");
+  static_assert(S::k_moves,
+                "manylight::Instants: the scenes must be of a Scene<..., Moving>, whose vertices tell instants apart");
 
  public:
   using Scalar = typename S::Scalar;
