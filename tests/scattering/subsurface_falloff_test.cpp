@@ -223,6 +223,21 @@ TEST(Dipole, ReflectanceEqualsTheClosedForm) {
   EXPECT_EQ(DipoleFalloff<double>({0, 0, 0}, {1, 2, 3}, 1.5).reflectance(), Rgb<double>(1));  // nothing is lost
 }
 
+// For depths from far less than the absorption length to hundreds of it, and shares down to 2^-36 at both ends.
+// Planted bug seen to fail: at most 5 steps.
+TEST(Dipole, RadiusLawIsInverted) {
+  for (const double a : {0.0, 1e-6, 1e-3, 0.1, 1.0, 1.7, 5.0, 50.0, 300.0}) {
+    const detail::DipoleRadiusLaw law{a};
+    EXPECT_EQ(law.invert(0), 0);
+    for (int i = 1; i < 3600; ++i) {
+      const double tiny = std::pow(2.0, -0.01 * i);
+      for (const double u : {tiny, 1 - tiny}) {
+        EXPECT_NEAR(law.tail(1 + law.invert(u)), 1 - u, 1e-13) << a << ' ' << u;  // rounding of 1 + y, times a y
+      }
+    }
+  }
+}
+
 TEST(Burley, LengthOfAMeanFreePath) {
   EXPECT_NEAR(BurleyProfile<double>::of(2, 0.8).length, 2 / 1.1, 1e-15);
   EXPECT_NEAR(BurleyProfile<double>::of(1, 0).length, 1 / 4.14, 1e-15);

@@ -38,16 +38,17 @@ struct DipoleRadiusLaw {
     const double target = std::log1p(-u);
     double lo = 0;
     double hi = std::numeric_limits<double>::infinity();
-    double y = std::sqrt(2 * u / (3 + 3 * a + a * a));  // 1 - Q = (3 + 3 a + a^2) y^2 / 2 + ...
+    double y = std::sqrt(-2 * target / (3 + 3 * a + a * a));  // -log Q = (3 + 3 a + a^2) y^2 / 2 + ...
     for (int i = 0; i < 100; ++i) {
       const double q = tail(1 + y);
       const double excess = std::log(q) - target;
       (excess > 0 ? lo : hi) = y;
       double next = y + excess * q / density(1 + y);
-      if (!(next > lo && next < hi)) next = std::isinf(hi) ? 2 * y : 0.5 * (lo + hi);
+      const bool is_newton = next > lo && next < hi;
+      if (!is_newton) next = std::isinf(hi) ? 2 * y : 0.5 * (lo + hi);
       const double step = std::abs(next - y);
       y = next;
-      if (step <= 1e-12 * y) break;
+      if (step <= (is_newton ? 1e-7 : 1e-15) * y) break;  // Newton's next step would be of the order of its square
     }
     return y;
   }
