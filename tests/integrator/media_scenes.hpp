@@ -105,4 +105,16 @@ class FoggyBuilder {
   std::vector<Part> meshes_, spheres_;
 };
 
+/// A box of fog before a wall with a lamp. `media[0]` fills the box.
+[[nodiscard]] inline FoggyBuilder fog_box(const FoggyMedium& medium) {
+  FoggyBuilder builder;
+  builder.media = {medium};
+  builder.open_mesh(box_mesh<double>({-1, -1, -1}, {1, 1, 1}), {k_vacuum, 1});
+  builder.mesh(parallelogram<double>({0, 0, 1.5}, {3, 0, 0}, {0, 3, 0}), 0.6);
+  builder.mesh(parallelogram<double>({0, -1.2, 0}, {3, 0, 0}, {0, 0, 3}), 0.6);
+  builder.lamp(parallelogram<double>({0, 2, 0}, {0.5, 0, 0}, {0, 0, 0.5}), 10);
+  return builder;
+}
+[[nodiscard]] inline PerspectiveCamera<double> box_camera() { return look_at<double>({0.5, 0.2, -4}, {0, 0, 0}, 40, 4); }
+
 }  // namespace manylight::test
