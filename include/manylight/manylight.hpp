@@ -83,6 +83,7 @@
 #include "manylight/bounds/sensor_map.hpp"
 #include "manylight/media/any_medium.hpp"
 #include "manylight/media/block_majorants.hpp"
+#include "manylight/media/boxed_medium.hpp"
 #include "manylight/media/concepts.hpp"
 #include "manylight/media/fiber_medium.hpp"
 #include "manylight/media/free_flight.hpp"

@@ -18,6 +18,11 @@ struct EitherBounds {
   [[nodiscard]] PatternSup<typename M::Scalar> sup(const M& m, const Wi& wi, const Wo& wo) const noexcept {
     return kind == BoundsKind::analytic ? AnalyticBounds{}.sup(m, wi, wo) : AutomaticBounds{}.sup(m, wi, wo);
   }
+  template <PhaseFunction P, class W, class V>
+  [[nodiscard]] typename P::Scalar sup_phase(const P& p, const W& sampled, const V& known) const noexcept {
+    return kind == BoundsKind::analytic ? AnalyticBounds{}.sup_phase(p, sampled, known)
+                                        : AutomaticBounds{}.sup_phase(p, sampled, known);
+  }
 };
 
 }  // namespace manylight::render

@@ -20,7 +20,7 @@
 #include "manylight/scene/shader.hpp"
 #include "scene_file/scene_description.hpp"
 
-/// From material descriptions to what scenes are made of: three kinds of scene, the narrowest that fits is rendered.
+/// From material descriptions to what surfaces are made of.
 namespace manylight::render {
 
 using scene_file::MaterialDescription;

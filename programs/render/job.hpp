@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "manylight/scene/image.hpp"
+#include "render/file_media.hpp"
 #include "render/file_shader.hpp"
 #include "render/options.hpp"
 #include "scene_file/scene_description.hpp"
@@ -21,8 +22,8 @@ struct JobResult {
 };
 
 /// Renders `description` (whose shapes are moved from) as the options say, on the given backend, with surfaces of the
-/// given shader; instantiated in the files job_*.cpp, so that they compile side by side.
-template <class Geometry, class Shader>
+/// given shader and the given media; instantiated in the files job_*.cpp, so that they compile side by side.
+template <class Geometry, class Shader, class Media>
 [[nodiscard]] JobResult run_job(scene_file::SceneDescription& description, const Options& options);
 
 }  // namespace manylight::render

@@ -3,5 +3,5 @@
 #include "render/job_impl.hpp"
 
 namespace manylight::render {
-template JobResult run_job<Bvh<float>, SurfaceFileShader>(scene_file::SceneDescription&, const Options&);
+template JobResult run_job<Bvh<float>, SurfaceFileShader, NoMedia>(scene_file::SceneDescription&, const Options&);
 }  // namespace manylight::render

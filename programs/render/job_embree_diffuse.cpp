@@ -4,6 +4,6 @@
 #include "render/job_impl.hpp"
 
 namespace manylight::render {
-template JobResult run_job<EmbreeGeometry, DiffuseShader>(scene_file::SceneDescription&, const Options&);
+template JobResult run_job<EmbreeGeometry, DiffuseShader, NoMedia>(scene_file::SceneDescription&, const Options&);
 }  // namespace manylight::render
 #endif

@@ -7,10 +7,10 @@
 
 namespace manylight::render {
 
-template <class Geometry, class Shader>
+template <class Geometry, class Shader, class Media>
 JobResult run_job(scene_file::SceneDescription& description, const Options& options) {
   const Stopwatch clock;
-  const Setup<Geometry, Shader> setup(description, options);
+  const Setup<Geometry, Shader, Media> setup(description, options);
   JobResult result;
   result.statistics["seconds"]["build"] = clock.seconds();
   result.statistics["rays"] = {{"closest", 0}, {"shadow", 0}};
@@ -18,7 +18,7 @@ JobResult run_job(scene_file::SceneDescription& description, const Options& opti
   if (options.method == Method::path) {
     render_path(setup, result);
   } else {
-    ManyLightJob<Geometry, Shader>(setup, result).run();
+    ManyLightJob<Geometry, Shader, Media>(setup, result).run();
   }
   return result;
 }

@@ -20,22 +20,23 @@ namespace manylight::render {
 
 namespace {
 
-/// The narrowest kind of scene that holds all materials.
+/// The narrowest kind of scene that holds all materials and media.
 template <class Geometry>
 JobResult run_narrowest(scene_file::SceneDescription& description, const Options& options, std::string& kind) {
   const auto all_fit = [&](auto fits) {
-    return std::all_of(description.materials.begin(), description.materials.end(), fits);
+    return description.media.empty() &&
+           std::all_of(description.materials.begin(), description.materials.end(), fits);
   };
   if (all_fit(DiffuseShader::fits)) {
     kind = "diffuse";
-    return run_job<Geometry, DiffuseShader>(description, options);
+    return run_job<Geometry, DiffuseShader, NoMedia>(description, options);
   }
   if (all_fit(SurfaceFileShader::fits)) {
     kind = "surfaces";
-    return run_job<Geometry, SurfaceFileShader>(description, options);
+    return run_job<Geometry, SurfaceFileShader, NoMedia>(description, options);
   }
-  kind = "blended surfaces";
-  return run_job<Geometry, BlendedFileShader>(description, options);
+  kind = "everything";
+  return run_job<Geometry, BlendedFileShader, FileMedia>(description, options);
 }
 
 JobResult dispatch(scene_file::SceneDescription& description, const Options& options, std::string& kind) {

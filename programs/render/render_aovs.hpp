@@ -12,8 +12,8 @@ struct FirstHitImages {
   Image<float> depth;   ///< m from the camera
 };
 
-template <class Geometry, class Shader>
-[[nodiscard]] FirstHitImages render_first_hits(const Setup<Geometry, Shader>& setup, JobResult& result) {
+template <class Geometry, class Shader, class Media>
+[[nodiscard]] FirstHitImages render_first_hits(const Setup<Geometry, Shader, Media>& setup, JobResult& result) {
   constexpr std::uint32_t k_samples = 16;
   const Image<float> black(setup.window.width(), setup.window.height());
   FirstHitImages images{black, black, black};
@@ -43,8 +43,8 @@ template <class Geometry, class Shader>
 }
 
 /// The auxiliary images that every method has.
-template <class Geometry, class Shader>
-void render_aovs(const Setup<Geometry, Shader>& setup, JobResult& result) {
+template <class Geometry, class Shader, class Media>
+void render_aovs(const Setup<Geometry, Shader, Media>& setup, JobResult& result) {
   const auto wants = [&](const char* name) { return setup.options.aovs.contains(name); };
   if (!wants("normal") && !wants("albedo") && !wants("depth")) return;
   FirstHitImages images = render_first_hits(setup, result);

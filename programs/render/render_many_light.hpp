@@ -44,12 +44,12 @@ namespace manylight::render {
 }
 
 /// Methods `vpl`, `lightcuts` and `bdlc` on one scene.
-template <class Geometry, class Shader>
+template <class Geometry, class Shader, class Media>
 class ManyLightJob {
  public:
-  using SceneType = Scene<Geometry, Shader>;
+  using SceneType = Scene<Geometry, Shader, Media>;
 
-  ManyLightJob(const Setup<Geometry, Shader>& setup, JobResult& result)
+  ManyLightJob(const Setup<Geometry, Shader, Media>& setup, JobResult& result)
       : setup_(setup), options_(setup.options), result_(result),
         config_(many_light_config(setup.options, setup.max_edges, setup.window)), bounds_{setup.options.bounds} {}
 
@@ -159,7 +159,7 @@ class ManyLightJob {
     json["invalid_samples"] = statistics.invalid_samples;
   }
 
-  const Setup<Geometry, Shader>& setup_;
+  const Setup<Geometry, Shader, Media>& setup_;
   const Options& options_;
   JobResult& result_;
   ManyLightConfig config_;

@@ -15,6 +15,7 @@
 #include "manylight/scene/camera.hpp"
 #include "manylight/scene/scene.hpp"
 #include "render/either_sampler.hpp"
+#include "render/file_media.hpp"
 #include "render/job.hpp"
 #include "render/progress.hpp"
 
@@ -29,9 +30,9 @@ using ProgramExecutor = SerialExecutor;
 #endif
 
 /// A scene of one instantiation, its camera and film, and what the options say of both.
-template <class Geometry, class Shader>
+template <class Geometry, class Shader, class Media>
 struct Setup {
-  using SceneType = Scene<Geometry, Shader>;
+  using SceneType = Scene<Geometry, Shader, Media>;
 
   /// Moves the shapes out of `description`. Throws what scene, camera and window throw for values out of range.
   Setup(scene_file::SceneDescription& description, const Options& chosen)
@@ -69,7 +70,16 @@ struct Setup {
       shader_of_shape.push_back(entry->second);
     }
     return SceneType(Geometry(std::move(description.shapes)), std::move(shaders), std::move(shader_of_shape),
-                     description.emitters);
+                     description.emitters, make_media(description));
+  }
+
+  [[nodiscard]] static Media make_media(scene_file::SceneDescription& description) {
+    if constexpr (Media::k_exist) {
+      return make_file_media(description);
+    } else {
+      static_cast<void>(description);
+      return {};
+    }
   }
 
   [[nodiscard]] static PerspectiveCamera<float> make_camera(const scene_file::SceneDescription& description) {

@@ -4,6 +4,7 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "manylight/scattering/texture.hpp"
@@ -22,8 +23,11 @@ struct Context {
   std::map<const Element*, std::uint32_t> material_of;  ///< <bsdf> elements met before -> index in scene.materials
   std::map<std::string, std::shared_ptr<const Texels<float>>> bitmaps;  ///< by path and decoding
   int parsed_materials = 0;
-  bool has_default_material = false;
-  std::uint32_t default_material = 0;
+  std::optional<std::uint32_t> default_material;  ///< of shapes without a <bsdf>
+  std::optional<std::uint32_t> null_material;     ///< of such shapes with something inside
+  std::map<const Element*, MediumId> medium_of;   ///< <medium> elements met before
+  std::vector<std::pair<const Element*, MediumId>> emitter_media;
+  std::vector<std::string> without_exterior;  ///< shapes that name an interior medium only
 
   Context(const Document& d, const LoadOptions& o) : document(d), names(d.root), options(o) {}
 };
@@ -44,6 +48,12 @@ enum class SpectrumRole { ratio, emission, parameter };
                                                          SpectrumRole role, double largest);
 /// Index of the material of a <bsdf>, parsed when first met.
 [[nodiscard]] std::uint32_t material_index(Context& context, const Element& element);
+/// Number of a <medium>, parsed when first met. Throws SceneFileError.
+[[nodiscard]] MediumId medium_id(Context& context, const Element& element);
+/// The <medium> around an emitter, which must be there anyhow: where the emitter stands decides.
+void take_emitter_medium(Context& context, Properties& properties);
+/// Once all elements are read: what is outside of everything, and whether media are needed at all.
+void settle_media(Context& context);
 /// Adds the shape of a <shape>, with its material and emitter.
 void add_shape(Context& context, const Element& element);
 /// Adds the light of a top-level <emitter>.

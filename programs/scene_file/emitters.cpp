@@ -77,6 +77,7 @@ void add_emitter(Context& context, const Element& element) {
     fail(element,
          "unknown emitter; supported are point, spot, directional, constant and envmap, and area inside a <shape>");
   }
+  take_emitter_medium(context, p);
   p.ignore({"sampling_weight"});
   p.finish();
 }

@@ -43,12 +43,11 @@ void read_children(Context& context, const Element& root) {
   if (sensors.size() > 1) fail(*sensors[1]->element, "is the second camera; one is supported");
   read_sensor(context, *sensors.front()->element);
   for (const Properties::Item* item : p.take_all("bsdf")) static_cast<void>(material_index(context, *item->element));
+  for (const Properties::Item* item : p.take_all("medium")) static_cast<void>(medium_id(context, *item->element));
   for (const Properties::Item* item : p.take_all("emitter")) add_emitter(context, *item->element);
   for (const Properties::Item* item : p.take_all("shape")) add_shape(context, *item->element);
-  for (const Properties::Item* item : p.take_all("medium")) {
-    fail(*item->element, "participating media are not supported yet");
-  }
-  p.ignore_tags({"texture", "alias"});  // they count where they are referred to
+  settle_media(context);
+  p.ignore_tags({"texture", "volume", "phase", "alias"});  // they count where they are referred to
   p.finish();
 }
 

@@ -10,12 +10,14 @@
 
 #include "manylight/core/spectrum.hpp"
 #include "manylight/geometry/shapes.hpp"
+#include "manylight/media/grid_volume.hpp"
 #include "manylight/scattering/microfacet.hpp"
 #include "manylight/scattering/rough_transmittance.hpp"
 #include "manylight/scattering/texture.hpp"
 #include "manylight/scattering/ward.hpp"
 #include "manylight/scene/emitter_list.hpp"
 #include "manylight/scene/filter.hpp"
+#include "manylight/scene/scene_media.hpp"
 
 /// What a scene file says, as plain values: world frame, metres, linear sRGB, independent of any backend.
 namespace manylight::scene_file {
@@ -87,10 +89,35 @@ struct MaterialDescription {
   std::vector<Texture<float>> weights;
 };
 
+enum class PhaseKind {
+  isotropic,
+  henyey_greenstein,  ///< g
+  gaussian_fiber      ///< gamma; in heterogeneous media with axes
+};
+
+/// A participating medium. Homogeneous without a density.
+struct MediumDescription {
+  std::string name;  ///< id or place in the file, for messages
+  PhaseKind phase = PhaseKind::isotropic;
+  float g = 0.0F;      ///< mean cosine of scattering, -0.999 to 0.999
+  float gamma = 0.1F;  ///< deviation of the cosine between flake normals and fiber, 0.01 to 10
+
+  Rgb<float> sigma_a{0.0F};  ///< homogeneous: absorption, m^-1
+  Rgb<float> sigma_s{0.0F};  ///< homogeneous: scattering, m^-1
+  std::optional<glm::mat4> box;  ///< homogeneous: the unit cube under it holds the medium; none: it has no end
+
+  std::optional<GridVolume<float>> density;
+  float scale = 1.0F;       ///< m^-1 per unit of density
+  Rgb<float> albedo{0.0F};  ///< [0, 1]; of no use beside a grid of it
+  std::optional<GridVolume<float, Rgb<float>>> albedo_grid;
+  std::vector<Vec3<float>> axes;  ///< of fibers, one per sample of the density, in the frame of its grid
+};
+
 struct ShapeDescription {
   std::string name;                      ///< id or place in the file, for messages
   std::uint32_t material = 0;            ///< index into SceneDescription::materials
-  Rgb<float> interior_absorption{0.0F};  ///< of a dielectric shape, m^-1
+  Rgb<float> interior_absorption{0.0F};  ///< of a dielectric shape that is no boundary of media, m^-1
+  std::optional<MediaSides> media;       ///< of a boundary: exterior in front, interior at the back
 };
 
 struct SceneDescription {
@@ -100,6 +127,8 @@ struct SceneDescription {
   Shapes<float> shapes;
   std::vector<ShapeDescription> shape_infos;  ///< by shape id
   std::vector<MaterialDescription> materials;
+  std::vector<MediumDescription> media;  ///< MediumId n is media[n - 1]; empty if no boundary or camera names one
+  MediumId outside = k_vacuum;           ///< what fills all space beyond the boundaries
   EmitterList<float> emitters;
   std::vector<std::string> warnings;  ///< one line each
 };

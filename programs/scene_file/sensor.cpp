@@ -97,9 +97,9 @@ void read_sensor(Context& context, const Element& element) {
     camera.focus_distance = static_cast<float>(focus);
   }
   for (const Properties::Item* film : p.take_all("film")) read_film(context, *film->element);
-  for (const Properties::Item* medium : p.take_all("medium")) {
-    fail(*medium->place, "the camera is in a medium: participating media are not supported yet");
-  }
+  const auto media = p.take_all("medium");
+  if (media.size() > 1) fail(*media[1]->place, "is the second medium around the camera");
+  if (!media.empty()) context.scene.outside = medium_id(context, *media.front()->element);
   p.ignore_tags({"sampler"});
   p.ignore({"near_clip", "far_clip", "shutter_open", "shutter_close"});
   p.finish();

@@ -52,53 +52,48 @@ TriangleMesh<float> mesh_of(Context& context, Properties& p, const std::string& 
   return transform(std::move(mesh), to_world);
 }
 
-/// The coefficient of a purely absorbing interior; black without one.
-Rgb<float> take_absorption(Context& context, Properties& p, std::uint32_t material) {
-  const Element* medium = p.take("interior");
-  if (p.take("exterior") != nullptr) fail(p.element(), "an exterior medium: participating media are not supported yet");
-  if (medium == nullptr) return Rgb<float>(0);
-  const char* const unsupported =
-      "participating media are not supported yet, only homogeneous absorption inside of a dielectric";
-  if (medium->tag != "medium" || medium->get("type") != "homogeneous") fail(*medium, unsupported);
-  Properties m(*medium, context.names);
-  const Rgb<float> sigma_s = take_color(context, m, "sigma_s", SpectrumRole::ratio, Rgb<float>(0));
-  const Rgb<float> sigma_a = take_color(context, m, "sigma_a", SpectrumRole::ratio, Rgb<float>(0));
-  const Rgb<float> sigma_t = take_color(context, m, "sigma_t", SpectrumRole::ratio, sigma_a);
-  const Rgb<float> albedo = take_color(context, m, "albedo", SpectrumRole::ratio, Rgb<float>(0));
-  const auto scale = static_cast<float>(m.positive("scale", 1.0));
-  const MaterialKind kind = context.scene.materials[material].kind;
-  const bool is_dielectric = kind == MaterialKind::dielectric || kind == MaterialKind::thin_dielectric ||
-                             kind == MaterialKind::rough_dielectric;
-  if (!is_black(sigma_s) || !is_black(albedo) || !is_dielectric) fail(*medium, unsupported);
-  m.ignore_tags({"phase"});
-  m.finish();
-  return sigma_t * scale;
+/// What is on the two sides; none of a shape that is no boundary.
+std::optional<MediaSides> take_media(Context& context, Properties& p, const std::string& name) {
+  const Element* interior = p.take("interior");
+  const Element* exterior = p.take("exterior");
+  if (interior == nullptr && exterior == nullptr) return std::nullopt;
+  if (exterior == nullptr) context.without_exterior.push_back(name);
+  MediaSides sides;
+  if (exterior != nullptr) sides.front = medium_id(context, *exterior);
+  if (interior != nullptr) sides.back = medium_id(context, *interior);
+  return sides;
 }
 
-std::uint32_t take_material(Context& context, Properties& p) {
+/// `is_index_matched`: what a shape without a <bsdf> is, null instead of grey.
+std::uint32_t take_material(Context& context, Properties& p, bool is_index_matched) {
   const auto bsdfs = p.take_all("bsdf");
   if (bsdfs.size() > 1) fail(*bsdfs[1]->place, "is the second material of this shape");
   if (!bsdfs.empty()) return material_index(context, *bsdfs.front()->element);
-  if (!context.has_default_material) {
-    context.has_default_material = true;
-    context.default_material = static_cast<std::uint32_t>(context.scene.materials.size());
-    context.scene.materials.emplace_back().name = "default";
+  std::optional<std::uint32_t>& material = is_index_matched ? context.null_material : context.default_material;
+  if (!material) {
+    material = static_cast<std::uint32_t>(context.scene.materials.size());
+    MaterialDescription& added = context.scene.materials.emplace_back();
+    added.name = is_index_matched ? "null" : "default";
+    if (is_index_matched) added.opacity = Texture<float>(0.0F);
   }
-  return context.default_material;
+  return *material;
 }
 
-void take_area_emitter(Context& context, Properties& p, std::uint32_t shape) {
+/// Whether there is one.
+bool take_area_emitter(Context& context, Properties& p, std::uint32_t shape) {
   const auto emitters = p.take_all("emitter");
   if (emitters.size() > 1) fail(*emitters[1]->place, "is the second emitter of this shape");
-  if (emitters.empty()) return;
+  if (emitters.empty()) return false;
   const Element& element = *emitters.front()->element;
   if (element.get("type") != "area") fail(element, "unknown emitter of a shape; supported is area");
   Properties e(element, context.names);
   auto radiance = take_texture(context, e, "radiance", SpectrumRole::emission, 3e38);
   if (!radiance) radiance = take_texture(context, e, "intensity", SpectrumRole::emission, 3e38);
+  take_emitter_medium(context, e);
   e.ignore({"sampling_weight"});
   e.finish();
   context.scene.emitters.areas.push_back({shape, radiance.value_or(Texture<float>(1.0F)), false});
+  return true;
 }
 
 void add_geometry(Context& context, Properties& p) {
@@ -142,9 +137,9 @@ void add_shape(Context& context, const Element& element) {
   // Ids count meshes, spheres, disks; infos are kept in file order and sorted at the end (see sort_shapes).
   ShapeDescription info;
   info.name = element.has("id") ? element.get("id") : element.describe();
-  info.material = take_material(context, p);
-  info.interior_absorption = take_absorption(context, p, info.material);
-  take_area_emitter(context, p, static_cast<std::uint32_t>(context.scene.shape_infos.size()));
+  info.media = take_media(context, p, info.name);
+  const bool emits = take_area_emitter(context, p, static_cast<std::uint32_t>(context.scene.shape_infos.size()));
+  info.material = take_material(context, p, info.media && info.media->back != k_vacuum && !emits);
   context.scene.shape_infos.push_back(std::move(info));
   p.finish();
 }

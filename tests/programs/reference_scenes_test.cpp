@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The peer's scene files, where they are at hand: all without media load strictly, textures lie as in the peer's
+// The peer's scene files, where they are at hand: all load strictly, textures lie as in the peer's
 // picture.
 #include <array>
 #include <cmath>
@@ -45,7 +45,7 @@ std::size_t triangle_count(const SceneDescription& scene) {
 // Oracle: counts of elements and faces in the files (rectangles have 2 triangles, cubes 12).
 TEST_F(ReferenceScenes, LoadStrictly) {
   const std::string tests = "mitsuba-tests/tests/scenes/";
-  const std::array<Expected, 7> scenes{{
+  const std::array<Expected, 10> scenes{{
       {"cornell-box/scene.xml", 8, 36, 65},
       {"veach-mis/scene.xml", 9, 52, 3},
       {"living-room/scene.xml", 65, 143'163, 65},
@@ -53,6 +53,9 @@ TEST_F(ReferenceScenes, LoadStrictly) {
       {"sponza/sponza.xml", 38, 66'445, -1},
       {"matpreview-roughplastic/docs/scenes/bsdf_roughplastic_ggx.xml", 3, 61'600, -1},
       {"matpreview-roughplastic/docs/scenes/bsdf_roughconductor_copper.xml", 3, 61'600, -1},
+      {"hetvol/hetvol.xml", 3, 14, 8},
+      {"vol-cbox/vol_cbox.xml", 8, 36, -1},
+      {"sss-bunny/docs/scenes/medium_homogeneous_sss.xml", 2, 69'451 + 512, 64},
   }};
   for (const Expected& expected : scenes) {
     const SceneDescription scene = load_scene(path(expected.file));
@@ -67,25 +70,35 @@ TEST_F(ReferenceScenes, LoadStrictly) {
         "bsdf_spheres/test_textured_roughconductor_path.xml", "floating_sphere/test_directional_direct.xml",
         "bsdf_spheres/test_constant_path.xml", "bsdf_spheres/test_arealight_path.xml",
         "bsdf_spheres/test_bumpmap_path.xml", "texture_interp/test_texture_interp_direct.xml",
-        "participating_media/test_surf_area_light_volpath.xml"}) {
+        "participating_media/test_surf_area_light_volpath.xml", "participating_media/test_homo_area_light_volpath.xml",
+        "participating_media/test_homo_null_envmap_volpath.xml",
+        "participating_media/test_homo_obj_inside_medium_volpath.xml",
+        "participating_media/test_homo_dielectric_envmap_volpath.xml",
+        "participating_media/test_hetero_sigmat_volpath.xml",
+        "participating_media/test_hetero_spectral_sigmat_no_scattering_volpath.xml"}) {
     const SceneDescription scene = load_scene(path(tests + name));
     EXPECT_GT(scene.shapes.size(), 1U) << name;
     EXPECT_GT(scene.emitters.size(), 0U) << name;
   }
 }
 
-TEST_F(ReferenceScenes, MediaAreRefusedByName) {
-  const auto error = [&](const std::string& name) {
-    return test::message_of<SceneFileError>([&] { static_cast<void>(load_scene(path(name))); });
-  };
-  const std::string media = "mitsuba-tests/tests/scenes/participating_media/";
-  for (const char* name : {"test_homo_area_light_volpath.xml", "test_homo_null_envmap_volpath.xml",
-                           "test_homo_obj_inside_medium_volpath.xml", "test_homo_dielectric_envmap_volpath.xml",
-                           "test_hetero_sigmat_volpath.xml", "test_hetero_spectral_sigmat_no_scattering_volpath.xml"}) {
-    EXPECT_THAT(error(media + name), HasSubstr("participating media are not supported yet")) << name;
-  }
-  EXPECT_THAT(error("hetvol/hetvol.xml"), HasSubstr("participating media are not supported yet"));
-  EXPECT_THAT(error("vol-cbox/vol_cbox.xml"), HasSubstr("participating media are not supported yet"));
+// Oracle: products of what the files say.
+TEST_F(ReferenceScenes, MediaAreThoseOfTheFiles) {
+  const SceneDescription smoke = load_scene(path("hetvol/hetvol.xml"));
+  ASSERT_EQ(smoke.media.size(), 1U);
+  ASSERT_TRUE(smoke.media[0].density);
+  EXPECT_EQ(smoke.media[0].scale, 100);
+  EXPECT_EQ(smoke.media[0].albedo, Rgb<float>(0.9F));
+  EXPECT_EQ(smoke.outside, k_vacuum);
+  const SceneDescription box = load_scene(path("vol-cbox/vol_cbox.xml"));
+  ASSERT_EQ(box.media.size(), 1U);
+  EXPECT_EQ(box.media[0].sigma_s, Rgb<float>(0.001F));
+  EXPECT_EQ(box.outside, 1);
+  for (const ShapeDescription& info : box.shape_infos) EXPECT_EQ(info.media, (MediaSides{1, k_vacuum})) << info.name;
+  const SceneDescription bunny = load_scene(path("sss-bunny/docs/scenes/medium_homogeneous_sss.xml"));
+  ASSERT_EQ(bunny.media.size(), 1U);
+  EXPECT_EQ(bunny.media[0].phase, PhaseKind::henyey_greenstein);
+  EXPECT_FLOAT_EQ(bunny.media[0].sigma_s.x, 50.0F * 0.85F);
 }
 
 TEST_F(ReferenceScenes, ValuesAreThoseOfTheFiles) {

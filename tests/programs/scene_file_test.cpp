@@ -230,9 +230,6 @@ INSTANTIATE_TEST_SUITE_P(
                                 "name=\"filename\" value=\"broken.png\"/></texture></bsdf>"),
                 "broken.png"},
         BadCase{"UnknownReference", floor_scene("", "<ref id=\"gone\"/>"), "gone"},
-        BadCase{"Medium",
-                floor_scene("<shape type=\"sphere\"><medium type=\"homogeneous\" name=\"interior\">"
-                            "<rgb name=\"sigma_s\" value=\"1\"/></medium></shape>"), "not supported yet"},
         BadCase{"ImpossibleSize",
                 [] {
                   std::string text = floor_scene();

@@ -190,16 +190,35 @@ TEST_F(SceneRules, CheckeredNumbersAreExchangedSinceVersionTwo) {
   EXPECT_EQ(load(floor_scene("", floor)).materials[0].reflectance.eval({0.1F, 0.1F}).x, 0.25F) << "colours stay";
 }
 
-TEST_F(SceneRules, AbsorptionOnlyInsideOfDielectrics) {
-  const auto shape = [](const std::string& bsdf, const std::string& sigma_s) {
-    return floor_scene("<shape type=\"sphere\" id=\"s\"><bsdf type=\"" + bsdf +
-                       "\"/><medium name=\"interior\" "
-                       "type=\"homogeneous\"><rgb name=\"sigmaA\" value=\"1,2,3\"/><rgb name=\"sigmaS\" value=\"" +
-                       sigma_s + "\"/><float name=\"scale\" value=\"2\"/></medium></shape>");
+// Oracle: one triangle each, moved by its node (glTF) and by the shape's transform.
+TEST_F(SceneRules, MeshFilesByTheirElements) {
+  write("a.ply",
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face "
+        "1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n1 1 0\n3 0 1 2\n");
+  write("a.gltf",
+        R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0,"translation":[0,0,5]}],)"
+        R"("meshes":[{"primitives":[{"attributes":{"POSITION":1},"indices":0}]}],)"
+        R"("accessors":[{"bufferView":0,"componentType":5123,"count":3,"type":"SCALAR"},)"
+        R"({"bufferView":1,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,0]}],)"
+        R"("bufferViews":[{"buffer":0,"byteLength":6},{"buffer":0,"byteOffset":8,"byteLength":36}],)"
+        R"("buffers":[{"byteLength":44,"uri":"data:application/octet-stream;base64,)"
+        R"(AAABAAIAAAAAAAAAAAAAAAAAAAAAAIA/AAAAAAAAAAAAAAAAAACAPwAAAAA="}]})");
+  const auto shape = [](const std::string& type) {
+    return "<shape type=\"" + type + "\" id=\"" + type + "\"><string name=\"filename\" value=\"a." + type +
+           "\"/><transform name=\"to_world\"><translate x=\"2\"/></transform><bsdf type=\"plastic\"/></shape>";
   };
-  EXPECT_EQ(load(shape("dielectric", "0")).shape_infos[1].interior_absorption, Rgb<float>(2, 4, 6));
-  EXPECT_THAT(error_of(shape("dielectric", "0.1")), HasSubstr("participating media are not supported yet"));
-  EXPECT_THAT(error_of(shape("diffuse", "0")), HasSubstr("participating media are not supported yet"));
+  const SceneDescription scene = load(floor_scene(shape("ply") + shape("gltf")));
+  ASSERT_EQ(scene.shapes.meshes.size(), 3U);
+  const float heights[] = {0, 5};
+  for (std::size_t i = 0; i < 2; ++i) {
+    const TriangleMesh<float>& mesh = scene.shapes.meshes[1 + i];
+    ASSERT_EQ(mesh.triangles.size(), 1U);
+    EXPECT_EQ(mesh.positions[mesh.triangles[0][1]], Vec3<float>(3, 0, heights[i]));
+    EXPECT_EQ(mesh.normals.size(), 3U) << "smooth, as neither file has any";
+    EXPECT_EQ(scene.materials[scene.shape_infos[1 + i].material].kind, MaterialKind::plastic);
+  }
+  EXPECT_EQ(scene.shape_infos[1].name, "ply");
+  EXPECT_EQ(scene.shape_infos[2].name, "gltf");
 }
 
 TEST_F(SceneRules, SubstancesAndNullSurfaces) {

@@ -12,20 +12,15 @@
 
 #include "manylight/media/grid_volume.hpp"
 #include "programs/scratch.hpp"
+#include "programs/volume_files.hpp"
 
 namespace manylight::scene_file {
 namespace {
 
 using test::message_of;
+using test::put;
 using test::Scratch;
 using testing::HasSubstr;
-
-template <class T>
-void put(std::string& bytes, T value) {
-  char raw[sizeof(T)];
-  std::memcpy(raw, &value, sizeof(T));
-  bytes.append(raw, sizeof(T));
-}
 
 std::string header(std::int32_t type, std::int32_t channels) {
   std::string file = "VOL\3";
