@@ -18,6 +18,7 @@
 #include "manylight/scattering/ward.hpp"
 #include "manylight/scene/bent_normal.hpp"
 #include "manylight/scene/shader.hpp"
+#include "render/file_subsurface.hpp"
 #include "scene_file/scene_description.hpp"
 
 /// From material descriptions to what surfaces are made of.
@@ -122,6 +123,19 @@ class SurfaceShaderOf {
 };
 
 using SurfaceFileShader = SurfaceShaderOf<PlainMaterial>;
-using BlendedFileShader = SurfaceShaderOf<BlendedMaterial>;
+
+/// Any surface of a file, and what scatters below it.
+class FullFileShader : public SurfaceShaderOf<BlendedMaterial> {
+ public:
+  using Subsurface = FileSubsurface;
+
+  FullFileShader(const MaterialDescription& description, const Rgb<float>& interior_absorption,
+                 std::shared_ptr<const FileSubsurface> below)
+      : SurfaceShaderOf(description, interior_absorption), below_(std::move(below)) {}
+  [[nodiscard]] const FileSubsurface* subsurface() const noexcept { return below_.get(); }
+
+ private:
+  std::shared_ptr<const FileSubsurface> below_;
+};
 
 }  // namespace manylight::render

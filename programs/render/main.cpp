@@ -24,7 +24,7 @@ namespace {
 template <class Geometry>
 JobResult run_narrowest(scene_file::SceneDescription& description, const Options& options, std::string& kind) {
   const auto all_fit = [&](auto fits) {
-    return description.media.empty() &&
+    return description.media.empty() && description.subsurfaces.empty() && !description.moves() &&
            std::all_of(description.materials.begin(), description.materials.end(), fits);
   };
   if (all_fit(DiffuseShader::fits)) {
@@ -36,7 +36,7 @@ JobResult run_narrowest(scene_file::SceneDescription& description, const Options
     return run_job<Geometry, SurfaceFileShader, NoMedia>(description, options);
   }
   kind = "everything";
-  return run_job<Geometry, BlendedFileShader, FileMedia>(description, options);
+  return run_job<Geometry, FullFileShader, FileMedia>(description, options);
 }
 
 JobResult dispatch(scene_file::SceneDescription& description, const Options& options, std::string& kind) {

@@ -66,6 +66,7 @@ void require_range(const char* name, T value, T lo, T hi) {
 void validate(const Options& o) {
   require_range<std::uint32_t>("--spp", o.spp, 1, 1U << 24U);
   require_range<std::uint32_t>("--eye-paths", o.eye_paths, 1, 65536);
+  require_range<std::uint32_t>("--instants", o.instants, 1, 4096);
   require_range<std::uint64_t>("--vpls", o.vpls, 1, 100'000'000);
   require_range<double>("--threshold", o.threshold, 0, 1);
   require_range<std::uint32_t>("--max-cut", o.max_cut, 1, 1U << 30U);
@@ -141,6 +142,8 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
   app.add_option("--size", size, "Image size in pixels, WxH [from the file]");
   app.add_option("--window", window, "Pixels to render, x0,y0,x1,y1 (x1, y1 excluded) [the whole image]");
   app.add_option("--spp", o.spp, "Samples per pixel of method path")->capture_default_str();
+  app.add_option("--instants", o.instants, "Instants of the shutter interval, where something moves")
+      ->capture_default_str();
   app.add_option("--eye-paths", o.eye_paths, "Eye paths per pixel of the many-light methods")->capture_default_str();
   app.add_option("--vpls", o.vpls, "Virtual point lights left by light paths; point and directional lights come on top")
       ->capture_default_str();

@@ -27,6 +27,7 @@ struct Options {
   std::uint32_t spp = 64;
   std::uint32_t eye_paths = 64;
   std::uint64_t vpls = 1'000'000;
+  std::uint32_t instants = 32;  ///< of the shutter interval, where something moves
   double threshold = 0.02;
   std::uint32_t max_cut = 20'000;
   std::optional<int> max_depth;  ///< edges; -1 unlimited

@@ -24,10 +24,12 @@ template <class Geometry, class Shader, class Media>
         const std::size_t pixel = setup.window.index(x, y);
         for (std::uint32_t i = 0; i < k_samples; ++i) {
           auto stream = setup.sampler.stream(Stage::eye, film_index(setup.camera, x, y), i);
-          const Ray<float> ray = camera_ray(setup.camera, setup.filter, x, y, stream);
-          const auto point = setup.scene.intersect(ray, stream, rays);
+          const std::uint32_t instant = sample_instant(instant_count(setup.scene), film_index(setup.camera, x, y), i);
+          const auto& scene = at_instant(setup.scene, instant);
+          const Ray<float> ray = camera_ray(at_instant(setup.camera, instant), setup.filter, x, y, stream);
+          const auto point = scene.intersect(ray, stream, rays);
           if (!point) continue;
-          const auto hit = setup.scene.interaction(*point, -ray.direction);
+          const auto hit = scene.interaction(*point, -ray.direction);
           images.normal.pixels[pixel] += hit.frame.n / float{k_samples};
           images.albedo.pixels[pixel] += hit.material.albedo() / float{k_samples};
           images.depth.pixels[pixel] += Rgb<float>(glm::length(point->position - ray.origin) / float{k_samples});

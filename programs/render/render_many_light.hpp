@@ -47,7 +47,7 @@ namespace manylight::render {
 template <class Geometry, class Shader, class Media>
 class ManyLightJob {
  public:
-  using SceneType = Scene<Geometry, Shader, Media>;
+  using SceneType = typename Setup<Geometry, Shader, Media>::SceneType;
 
   ManyLightJob(const Setup<Geometry, Shader, Media>& setup, JobResult& result)
       : setup_(setup), options_(setup.options), result_(result),

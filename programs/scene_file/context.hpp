@@ -58,6 +58,10 @@ void settle_media(Context& context);
 void add_shape(Context& context, const Element& element);
 /// Adds the light of a top-level <emitter>.
 void add_emitter(Context& context, const Element& element);
+/// What scatters below a surface, of a <subsurface>.
+[[nodiscard]] SubsurfaceDescription parse_subsurface(Context& context, const Element& element);
+/// The <transform> or <animation> called `name`, or rest at the identity. Throws SceneFileError.
+[[nodiscard]] Keyframes take_keyframes(Properties& properties, std::string_view name);
 /// Reads a <sensor> into the scene's camera and filter.
 void read_sensor(Context& context, const Element& element);
 

@@ -65,6 +65,7 @@ void sort_shapes(SceneDescription& scene, const std::vector<int>& kinds) {
   }
   scene.shape_infos = std::move(sorted);
   for (AreaEmitter<float>& emitter : scene.emitters.areas) emitter.shape = id_of[emitter.shape];
+  for (ShapeMotion& motion : scene.motions) motion.shape = id_of[motion.shape];
 }
 
 }  // namespace

@@ -18,6 +18,7 @@
 #include "manylight/scene/emitter_list.hpp"
 #include "manylight/scene/filter.hpp"
 #include "manylight/scene/scene_media.hpp"
+#include "scene_file/motion.hpp"
 
 /// What a scene file says, as plain values: world frame, metres, linear sRGB, independent of any backend.
 namespace manylight::scene_file {
@@ -28,6 +29,7 @@ enum class FovAxis { x, y, diagonal, smaller, larger };
 struct CameraDescription {
   /// Local to world. The camera looks along local +z; local +y is up in the image and local +x is LEFT.
   glm::mat4 to_world{1.0F};
+  Keyframes motion;          ///< none: it stands still
   float fov_degrees = 50.0F;  ///< full angle along `fov_axis`, (0, 180)
   FovAxis fov_axis = FovAxis::x;
   std::uint32_t width = 768;     ///< pixels
@@ -113,10 +115,34 @@ struct MediumDescription {
   std::vector<Vec3<float>> axes;  ///< of fibers, one per sample of the density, in the frame of its grid
 };
 
+enum class FalloffKind {
+  exponential,  ///< length
+  gaussian,     ///< length
+  burley,       ///< length
+  dipole        ///< sigma_a, sigma_s (reduced)
+};
+
+/// Scattering below a surface.
+struct SubsurfaceDescription {
+  std::string name;  ///< id or place in the file, for messages
+  FalloffKind kind = FalloffKind::exponential;
+  Rgb<float> length{0.0F};   ///< m, > 0
+  Rgb<float> sigma_a{0.0F};  ///< m^-1
+  Rgb<float> sigma_s{0.0F};  ///< m^-1, > 0
+  Rgb<float> reflectance{0.8F};  ///< [0, 1]; dipole: follows from the coefficients
+  float ior = 1.0F;          ///< inside over outside; 1: no interface
+};
+
+struct Shutter {
+  float open = 0.0F;   ///< in the unit of key frames' times
+  float close = 0.0F;  ///< not before `open`; equal: nothing blurs
+};
+
 struct ShapeDescription {
   std::string name;                      ///< id or place in the file, for messages
   std::uint32_t material = 0;            ///< index into SceneDescription::materials
   Rgb<float> interior_absorption{0.0F};  ///< of a dielectric shape that is no boundary of media, m^-1
+  std::optional<std::uint32_t> subsurface;  ///< index into SceneDescription::subsurfaces
   std::optional<MediaSides> media;       ///< of a boundary: exterior in front, interior at the back
 };
 
@@ -128,9 +154,19 @@ struct SceneDescription {
   std::vector<ShapeDescription> shape_infos;  ///< by shape id
   std::vector<MaterialDescription> materials;
   std::vector<MediumDescription> media;  ///< MediumId n is media[n - 1]; empty if no boundary or camera names one
+  std::vector<SubsurfaceDescription> subsurfaces;
+  Shutter shutter;
+  std::vector<ShapeMotion> motions;  ///< of shapes that move; `shapes` has them as they are when the shutter opens
   MediumId outside = k_vacuum;           ///< what fills all space beyond the boundaries
   EmitterList<float> emitters;
   std::vector<std::string> warnings;  ///< one line each
+
+  [[nodiscard]] bool moves() const noexcept {
+    return shutter.close > shutter.open && (camera.motion.moves() || !motions.empty());
+  }
 };
+
+/// The scene at one time, with nothing in motion of its own.
+[[nodiscard]] SceneDescription at_time(const SceneDescription& scene, float time);
 
 }  // namespace manylight::scene_file

@@ -89,7 +89,7 @@ void read_sensor(Context& context, const Element& element) {
     fail(element, "unknown sensor; supported are perspective and thinlens");
   Properties p(element, context.names);
   CameraDescription& camera = context.scene.camera;
-  camera.to_world = take_transform(p, "to_world");
+  Keyframes motion = take_keyframes(p, "to_world");
   take_field_of_view(p, camera);
   const double focus = p.positive("focus_distance", 1.0);
   if (type == "thinlens") {
@@ -101,7 +101,13 @@ void read_sensor(Context& context, const Element& element) {
   if (media.size() > 1) fail(*media[1]->place, "is the second medium around the camera");
   if (!media.empty()) context.scene.outside = medium_id(context, *media.front()->element);
   p.ignore_tags({"sampler"});
-  p.ignore({"near_clip", "far_clip", "shutter_open", "shutter_close"});
+  Shutter& shutter = context.scene.shutter;
+  shutter.open = static_cast<float>(p.number("shutter_open", 0.0));
+  shutter.close = static_cast<float>(p.number("shutter_close", shutter.open));
+  if (shutter.close < shutter.open) fail(element, "shutter_close is before shutter_open");
+  camera.to_world = motion.at(shutter.open);
+  if (motion.moves()) camera.motion = std::move(motion);
+  p.ignore({"near_clip", "far_clip"});
   p.finish();
 }
 

@@ -14,9 +14,9 @@ namespace {
 const char* const k_supported =
     "unknown shape; supported are obj, ply, gltf, serialized, rectangle, cube, sphere and disk";
 
-std::filesystem::path take_file(Context& context, Properties& p) {
-  const auto name = p.text("filename");
-  if (!name) fail(p.element(), "needs a filename");
+std::filesystem::path take_file(Context& context, Properties& p, const char* property) {
+  const auto name = p.text(property);
+  if (!name) fail(p.element(), std::string("needs a ") + property);
   return context.document.resolve(p.element(), *name);
 }
 
@@ -36,10 +36,7 @@ void set_normals(Properties& p, TriangleMesh<float>& mesh) {
   }
 }
 
-TriangleMesh<float> mesh_of(Context& context, Properties& p, const std::string& type, const glm::mat4& to_world) {
-  if (type == "rectangle") return rectangle_mesh<float>(to_world);
-  if (type == "cube") return cube_mesh<float>(to_world);
-  const std::filesystem::path path = take_file(context, p);
+TriangleMesh<float> read_mesh(Properties& p, const std::string& type, const std::filesystem::path& path) {
   TriangleMesh<float> mesh;
   if (type == "serialized") {
     mesh = read_serialized(path, p.integer("shape_index").value_or(0));
@@ -48,10 +45,27 @@ TriangleMesh<float> mesh_of(Context& context, Properties& p, const std::string& 
     mesh = type == "obj" ? read_obj(path, flips) : type == "ply" ? read_ply(path, flips) : read_gltf(path, flips);
   }
   validate(mesh, path.string());
-  set_normals(p, mesh);
-  return transform(std::move(mesh), to_world);
+  return mesh;
 }
 
+/// In its own frame. `closing`: the file of a mesh that deforms, as it is when the shutter closes.
+TriangleMesh<float> mesh_of(Context& context, Properties& p, const std::string& type,
+                            std::optional<TriangleMesh<float>>& closing) {
+  if (type == "rectangle") return rectangle_mesh<float>(glm::mat4(1));
+  if (type == "cube") return cube_mesh<float>(glm::mat4(1));
+  const std::filesystem::path path = take_file(context, p, "filename");
+  const auto read = [&](const std::filesystem::path& file) { return read_mesh(p, type, file); };
+  TriangleMesh<float> mesh = read(path);
+  if (p.text("closing_filename")) {
+    closing = read(take_file(context, p, "closing_filename"));
+    if (closing->positions.size() != mesh.positions.size() || closing->triangles != mesh.triangles) {
+      fail(p.element(), "closing_filename has other triangles than filename, allowed: the same, of moved vertices");
+    }
+    set_normals(p, *closing);
+  }
+  set_normals(p, mesh);
+  return mesh;
+}
 /// What is on the two sides; none of a shape that is no boundary.
 std::optional<MediaSides> take_media(Context& context, Properties& p, const std::string& name) {
   const Element* interior = p.take("interior");
@@ -99,29 +113,38 @@ bool take_area_emitter(Context& context, Properties& p, std::uint32_t shape) {
 void add_geometry(Context& context, Properties& p) {
   const Element& element = p.element();
   const std::string& type = element.get("type");
-  const glm::mat4 to_world = take_transform(p, "to_world");
+  const Keyframes motion = take_keyframes(p, "to_world");
+  const glm::mat4 to_world = motion.at(context.scene.shutter.open);
   const bool flips = p.flag("flip_normals", false);
   Shapes<float>& shapes = context.scene.shapes;
+  ShapeMotion moving;
   if (type == "sphere") {
     Sphere<float> sphere;
     sphere.center = p.vector("center").value_or(Vec3<float>(0));
     sphere.radius = static_cast<float>(p.positive("radius", 1.0));
-    sphere = transform(sphere, to_world);
-    sphere.flip_normals = sphere.flip_normals != flips;
-    validate(sphere, element.describe());
-    shapes.spheres.push_back(sphere);
+    sphere.flip_normals = flips;
+    moving.local = sphere;
+    shapes.spheres.push_back(transform(sphere, to_world));
+    validate(shapes.spheres.back(), element.describe());
   } else if (type == "disk") {
-    Disk<float> disk = transform(Disk<float>{}, to_world);
+    Disk<float> disk;
     if (flips) disk.normal = -disk.normal;
-    validate(disk, element.describe());
-    shapes.disks.push_back(disk);
+    moving.local = disk;
+    shapes.disks.push_back(transform(disk, to_world));
+    validate(shapes.disks.back(), element.describe());
   } else if (type == "obj" || type == "ply" || type == "gltf" || type == "serialized" || type == "rectangle" ||
              type == "cube") {
-    TriangleMesh<float> mesh = mesh_of(context, p, type, to_world);
+    TriangleMesh<float> mesh = mesh_of(context, p, type, moving.closing);
     mesh.flip_normals = mesh.flip_normals != flips;
-    shapes.meshes.push_back(std::move(mesh));
+    if (motion.moves() || moving.closing) moving.local = mesh;
+    shapes.meshes.push_back(transform(std::move(mesh), to_world));
   } else {
     fail(element, k_supported);
+  }
+  if (motion.moves() || moving.closing) {
+    moving.shape = static_cast<std::uint32_t>(context.scene.shape_infos.size());
+    moving.to_world = motion;
+    context.scene.motions.push_back(std::move(moving));
   }
 }
 
@@ -139,6 +162,12 @@ void add_shape(Context& context, const Element& element) {
   info.name = element.has("id") ? element.get("id") : element.describe();
   info.media = take_media(context, p, info.name);
   const bool emits = take_area_emitter(context, p, static_cast<std::uint32_t>(context.scene.shape_infos.size()));
+  const auto subsurfaces = p.take_all("subsurface");
+  if (subsurfaces.size() > 1) fail(*subsurfaces[1]->place, "is the second subsurface scattering of this shape");
+  if (!subsurfaces.empty()) {
+    info.subsurface = static_cast<std::uint32_t>(context.scene.subsurfaces.size());
+    context.scene.subsurfaces.push_back(parse_subsurface(context, *subsurfaces.front()->element));
+  }
   info.material = take_material(context, p, info.media && info.media->back != k_vacuum && !emits);
   context.scene.shape_infos.push_back(std::move(info));
   p.finish();

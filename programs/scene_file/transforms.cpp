@@ -74,13 +74,16 @@ glm::mat4 parse_transform(const Element& element) {
   return glm::mat4(matrix);
 }
 
+glm::mat4 invertible_transform(const Element& element) {
+  const glm::mat4 matrix = parse_transform(element);
+  const float determinant = glm::determinant(glm::mat3(matrix));
+  if (determinant == 0.0F || !std::isfinite(determinant)) fail(element, "the transformation cannot be inverted");
+  return matrix;
+}
+
 glm::mat4 take_transform(Properties& properties, std::string_view name) {
   const Element* child = properties.take(name);
-  if (child == nullptr) return glm::mat4(1.0F);
-  const glm::mat4 matrix = parse_transform(*child);
-  const float determinant = glm::determinant(glm::mat3(matrix));
-  if (determinant == 0.0F || !std::isfinite(determinant)) fail(*child, "the transformation cannot be inverted");
-  return matrix;
+  return child == nullptr ? glm::mat4(1.0F) : invertible_transform(*child);
 }
 
 UvTransform<float> take_uv_transform(Properties& properties) {

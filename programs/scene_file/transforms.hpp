@@ -11,6 +11,9 @@ namespace manylight::scene_file {
 /// The matrix of a <transform>: its steps apply in the order of the file. Throws SceneFileError.
 [[nodiscard]] glm::mat4 parse_transform(const Element& element);
 
+/// The same, which must have an inverse.
+[[nodiscard]] glm::mat4 invertible_transform(const Element& element);
+
 /// The transform called `name`, or the identity.
 [[nodiscard]] glm::mat4 take_transform(Properties& properties, std::string_view name);
 

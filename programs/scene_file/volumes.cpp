@@ -2,6 +2,7 @@
 // <volume> elements.
 #include "scene_file/volumes.hpp"
 
+#include <cmath>
 #include <string>
 
 #include <glm/matrix.hpp>
@@ -44,6 +45,15 @@ Volume parse_grid(Context& context, Properties& p) {
   volume.placement.box = take_box(context, p, volume.grid->box);
   // Versions 0.x have the outer samples on the faces of the box, later ones in the middle of the outer cells.
   volume.placement.samples = context.document.major_version >= 2 ? GridSamples::at_centers : GridSamples::at_vertices;
+  if (const auto copies = p.vector("copies")) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const float n = (*copies)[axis];
+      if (!(n >= 1 && n <= 65536 && n == std::floor(n))) {
+        fail(p.element(), "copies must be whole numbers, allowed: 1 to 65536 along each axis");
+      }
+      volume.placement.copies[static_cast<std::size_t>(axis)] = static_cast<std::uint32_t>(n);
+    }
+  }
   require_text(p, "filter_type", "trilinear");
   require_text(p, "wrap_mode", "clamp");
   p.ignore({"send_data", "raw", "accel"});
