@@ -4,6 +4,8 @@
 
     examples/scenes/generate.py lantern_hall FOLDER   writes FOLDER/lantern_hall.xml, its meshes and textures
     examples/scenes/generate.py cafe_table FOLDER     writes the meshes of cafe_table.xml into FOLDER
+    examples/scenes/generate.py cafe_figure FOLDER    writes FOLDER/cafe_figure.xml, the café with a jade figure in place
+                                                      of the metal balls, and its meshes
 
 The meshes in examples/scenes/cafe_table are what the second command makes. Lengths are metres, +z is up. The same
 files come out of each run, byte by byte.
@@ -261,6 +263,36 @@ def cafe_table(folder):
     for name, mesh in parts.items():
         mesh.write_small(folder / (name + ".ply"))
     return "%d meshes" % len(parts)
+
+
+def jade_figure():
+    """A knot on a foot, 0.2 m high: two meshes."""
+    def knot(k, count=300):
+        a = TAU * k / count
+        r = 0.062 + 0.024 * math.cos(3 * a)
+        return (r * math.cos(2 * a), 0.026 * math.sin(3 * a), 0.105 + r * math.sin(2 * a))
+    foot = [(0, 0), (0.045, 0), (0.047, 0.003), (0.036, 0.008), (0.03, 0.012), (0.03, 0.016), (0, 0.017)]
+    return {"jade_knot": Mesh().tube([knot(k) for k in range(300)], 0.0145, 18, True),
+            "jade_foot": Mesh().revolve(foot, 40, 20)}
+
+
+JADE = ['<subsurface type="exponential">', '  <rgb name="reflectance" value="0.30, 0.72, 0.38"/>',
+        '  <rgb name="length" value="0.003, 0.006, 0.0035"/>', '  <float name="int_ior" value="1.6"/>', "</subsurface>"]
+
+
+def cafe_figure(folder):
+    cafe_table(folder)
+    for name, mesh in jade_figure().items():
+        mesh.write(folder / (name + ".ply"))
+    text = (pathlib.Path(__file__).parent / "cafe_table.xml").read_text().replace("cafe_table/", "")
+    start = text.index('  <shape type="sphere" id="metal_ball">')
+    end = text.index("  <shape", text.index('id="copper_ball"'))
+    figure = Xml()
+    for name in jade_figure():
+        figure.shape("ply", name, "black", ['<string name="filename" value="%s.ply"/>' % name] +
+                     placed(-0.04, 0.08, 0.721, 20, 1.5) + JADE)
+    (folder / "cafe_figure.xml").write_text(text[:start] + "\n".join(figure.lines) + "\n" + text[end:])
+    return "cafe_figure.xml"
 
 
 # ---- the hall ----
@@ -613,7 +645,7 @@ def lantern_hall(folder):
     return "lantern_hall.xml with %d lamps and %d triangles" % (lamps, triangles)
 
 
-SCENES = {"cafe_table": cafe_table, "lantern_hall": lantern_hall}
+SCENES = {"cafe_table": cafe_table, "cafe_figure": cafe_figure, "lantern_hall": lantern_hall}
 
 
 def main(arguments):

@@ -13,7 +13,7 @@ import random
 import struct
 import sys
 
-from generate import TAU, Mesh, Xml, add, cross, placed, unit
+from generate import JADE, TAU, Mesh, Xml, add, cross, jade_figure, placed, unit
 
 
 # ---- grids ----
@@ -323,18 +323,9 @@ def table(meshes, xml):
         '<subsurface type="exponential">', '  <rgb name="reflectance" value="0.93, 0.90, 0.82"/>',
         '  <rgb name="length" value="0.007, 0.006, 0.004"/>', '  <float name="int_ior" value="1.35"/>', "</subsurface>"])
 
-    def knot(k, count=300):
-        a = TAU * k / count
-        r = 0.062 + 0.024 * math.cos(3 * a)
-        return (r * math.cos(2 * a), 0.026 * math.sin(3 * a), 0.105 + r * math.sin(2 * a))
-    jade = Mesh().tube([knot(k) for k in range(300)], 0.0145, 18, True)
-    meshes["jade_knot"] = jade
-    meshes["jade_base"] = Mesh().revolve([(0, 0), (0.045, 0), (0.047, 0.003), (0.036, 0.008), (0.03, 0.012), (0.03, 0.016),
-                                          (0, 0.017)], 40, 20)
-    for part in ("jade_knot", "jade_base"):
-        ply(xml, part, part, "black", -0.2, 0.12, 0.756, 25, inside=[
-            '<subsurface type="exponential">', '  <rgb name="reflectance" value="0.30, 0.72, 0.38"/>',
-            '  <rgb name="length" value="0.003, 0.006, 0.0035"/>', '  <float name="int_ior" value="1.6"/>', "</subsurface>"])
+    meshes.update(jade_figure())
+    for part in jade_figure():
+        ply(xml, part, part, "black", -0.2, 0.12, 0.756, 25, inside=JADE)
 
 
 CLOTH_SIZE, CLOTH_PITCH, CLOTH_THICKNESS = (0.42, 0.30), 0.0012, 0.0016
