@@ -54,7 +54,7 @@ TEST_F(ReferenceScenes, LoadStrictly) {
       {"matpreview-roughplastic/docs/scenes/bsdf_roughplastic_ggx.xml", 3, 61'600, -1},
       {"matpreview-roughplastic/docs/scenes/bsdf_roughconductor_copper.xml", 3, 61'600, -1},
       {"hetvol/hetvol.xml", 3, 14, 8},
-      {"vol-cbox/vol_cbox.xml", 8, 36, -1},
+      {"vol-cbox/vol_cbox.xml", 8, 38, -1},
       {"sss-bunny/docs/scenes/medium_homogeneous_sss.xml", 2, 69'451 + 512, 64},
   }};
   for (const Expected& expected : scenes) {
