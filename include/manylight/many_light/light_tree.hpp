@@ -181,7 +181,7 @@ LightTree<Scene>::LightTree(std::vector<VertexOf<Scene>> vpls, const Exec& execu
     const VertexOf<Scene>& v = vpls[i];
     const ClusterItem<S> item{v.position, has_normal(v) ? v.ng : Vec3<S>(0), luminance(v.strength),
                               static_cast<std::uint32_t>(i)};
-    const int group = v.exact ? (v.is_infinite() ? 1 : 2) : (v.is_infinite() ? 1 : 0);
+    const std::size_t group = v.is_infinite() ? 1 : v.exact ? 2 : 0;
     if constexpr (VertexOf<Scene>::k_has_channels) {
       channels[v.channel()][group].push_back(item);
     } else {
