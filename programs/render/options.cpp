@@ -66,6 +66,9 @@ void require_range(const char* name, T value, T lo, T hi) {
 void validate(const Options& o) {
   require_range<std::uint32_t>("--spp", o.spp, 1, 1U << 24U);
   require_range<std::uint32_t>("--eye-paths", o.eye_paths, 1, 65536);
+  if (o.straight_is_free && o.method != Method::path) {
+    throw ParameterError("--straight-is-free", method_name(o.method), "method path");
+  }
   require_range<std::uint32_t>("--instants", o.instants, 1, 4096);
   require_range<std::uint64_t>("--vpls", o.vpls, 1, 100'000'000);
   require_range<double>("--threshold", o.threshold, 0, 1);
@@ -151,6 +154,8 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
       ->capture_default_str();
   app.add_option("--max-cut", o.max_cut, "Most clusters in a pixel's cut")->capture_default_str();
   auto* depth = app.add_option("--max-depth", max_depth, "Longest path in edges, -1: unlimited [from the file]");
+  app.add_flag("--straight-is-free", o.straight_is_free,
+               "Light straight through a thin pane costs no edge of --max-depth (method path)");
   app.add_option("--backend", backend, "Ray tracer: bvh (built in) or embree")
       ->check(CLI::IsMember(backends))->capture_default_str();
   app.add_option("--sampler", sampler, "Random numbers: independent or sobol (Owen-scrambled)")

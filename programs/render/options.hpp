@@ -31,6 +31,7 @@ struct Options {
   double threshold = 0.02;
   std::uint32_t max_cut = 20'000;
   std::optional<int> max_depth;  ///< edges; -1 unlimited
+  bool straight_is_free = false;  ///< light straight through a thin pane costs no edge; path only
   Backend backend = Backend::bvh;
   SamplerKind sampler = SamplerKind::independent;
   std::string filter;  ///< box, tent or gaussian; empty: from the file

@@ -11,7 +11,8 @@ template <class Geometry, class Shader, class Media>
 void render_path(const Setup<Geometry, Shader, Media>& setup, JobResult& result) {
   const Options& options = setup.options;
   const Stopwatch clock;
-  const PathIntegrator<typename Setup<Geometry, Shader, Media>::SceneType> integrator(setup.scene, PathConfig{setup.max_edges});
+  const PathIntegrator<typename Setup<Geometry, Shader, Media>::SceneType> integrator(
+      setup.scene, PathConfig{setup.max_edges, PathConfig{}.roulette_edges, options.straight_is_free});
   std::vector<Rgb<double>> sums(setup.window.pixel_count(), Rgb<double>(0));
   ProgressLine progress("path", options.quiet);
   PathStatistics statistics;

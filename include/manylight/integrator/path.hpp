@@ -11,6 +11,7 @@
 // Roulette multiplies the throughput only; it needs no place in the weights, which sum to one for any split of the light.
 
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -24,6 +25,8 @@ namespace manylight {
 struct PathConfig {
   unsigned max_edges = k_unlimited_edges;  ///< longest path, segments: 1 sees emitters only, 2 adds direct light
   unsigned roulette_edges = 4;             ///< roulette from this segment on
+  /// Light that a Dirac lobe lets straight through, as through a thin pane, adds no segment to `max_edges`.
+  bool straight_is_free = false;
 
   /// Throws ParameterError.
   void validate() const { require(max_edges >= 1, "maximum path length", max_edges, "at least 1 segment"); }
@@ -96,10 +99,10 @@ class PathIntegrator {
   [[nodiscard]] Rgb<S> emission(const SurfacePoint<S>& point, const Vec3<S>& wo, const Bounce& bounce) const;
   [[nodiscard]] Rgb<S> environment(const Vec3<S>& direction, const Bounce& bounce) const;
   template <class Hit, SampleStream Stream, class Visitor>
-  [[nodiscard]] bool bounce_at(const Hit& hit, WalkState<S>& walk, unsigned edges, Bounce& bounce, Stream& stream,
+  [[nodiscard]] bool bounce_at(const Hit& hit, WalkState<S>& walk, unsigned& edges, Bounce& bounce, Stream& stream,
                                RayCounts& rays, Visitor& visitor) const;
   template <class Hit, SampleStream Stream, class Visitor>
-  [[nodiscard]] bool scatter_at(const Hit& hit, WalkState<S>& walk, unsigned edges, Bounce& bounce, Stream& stream,
+  [[nodiscard]] bool scatter_at(const Hit& hit, WalkState<S>& walk, unsigned& edges, Bounce& bounce, Stream& stream,
                                 Visitor& visitor) const;
   template <class Hit, SampleStream Stream, class Visitor>
   [[nodiscard]] bool bounce_with_below(const Hit& hit, const Submersion<Scene>& submersion, WalkState<S>& walk,
@@ -169,7 +172,7 @@ bool PathIntegrator<Scene>::bounce_with_below(const Hit& hit, const Submersion<S
 /// Light drawn for the vertex, then the next direction; false where the walk ends.
 template <class Scene>
 template <class Hit, SampleStream Stream, class Visitor>
-bool PathIntegrator<Scene>::bounce_at(const Hit& hit, WalkState<S>& walk, unsigned edges, Bounce& bounce, Stream& stream,
+bool PathIntegrator<Scene>::bounce_at(const Hit& hit, WalkState<S>& walk, unsigned& edges, Bounce& bounce, Stream& stream,
                                       RayCounts& rays, Visitor& visitor) const {
   if (!is_delta(hit)) direct(walk.beta, hit, -walk.ray.direction, stream, rays, visitor);
   return scatter_at(hit, walk, edges, bounce, stream, visitor);
@@ -177,7 +180,7 @@ bool PathIntegrator<Scene>::bounce_at(const Hit& hit, WalkState<S>& walk, unsign
 
 template <class Scene>
 template <class Hit, SampleStream Stream, class Visitor>
-bool PathIntegrator<Scene>::scatter_at(const Hit& hit, WalkState<S>& walk, unsigned edges, Bounce& bounce,
+bool PathIntegrator<Scene>::scatter_at(const Hit& hit, WalkState<S>& walk, unsigned& edges, Bounce& bounce,
                                        Stream& stream, Visitor& visitor) const {
   const Vec3<S> wo = -walk.ray.direction;
   const std::optional<ScatterSample<S>> sample = sample_scatter<Scene>(hit, wo, Walk::eye, stream);
@@ -193,6 +196,8 @@ bool PathIntegrator<Scene>::scatter_at(const Hit& hit, WalkState<S>& walk, unsig
     if (!(stream.next() < survival)) return false;
     walk.beta /= survival;
   }
+  constexpr S k_straight = S(1) - S(16) * std::numeric_limits<S>::epsilon();  // two unit vectors, opposite but for rounding
+  if (config_.straight_is_free && sample->is_delta && glm::dot(sample->direction, wo) < -k_straight) --edges;
   return true;
 }
 
