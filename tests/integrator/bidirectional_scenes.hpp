@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
 #include <vector>
 
 #include "integrator/media_scenes.hpp"
@@ -157,6 +162,96 @@ template <class SceneType, Camera C, Executor Exec = SerialExecutor>
                                                      IndependentSampler<typename SceneType::Scalar>{seed}, 0, samples,
                                                      film.sums, executor);
   return film;
+}
+
+/// Means by path tracing and by bidirectional path tracing over `runs` independent renderings.
+struct Comparison {
+  RunningMoments path, bidirectional;
+  std::vector<RunningMoments> path_of_length, weighted_of_length;
+  std::vector<std::vector<RunningMoments>> unweighted;  ///< [length][s]
+  unsigned runs;
+
+  /// Largest difference that independent errors explain, in standard errors of a t-variable; family level 1e-3 over
+  /// `comparisons` by Sidak.
+  [[nodiscard]] double limit(double comparisons) const {
+    return student_limit(sidak_level(1e-3, comparisons), static_cast<double>(runs - 1));
+  }
+};
+[[nodiscard]] inline double z_between(const RunningMoments& a, const RunningMoments& b) {
+  return z_score(a.mean(), a.standard_error(), b.mean(), b.standard_error());
+}
+
+template <class SceneType, Camera C>
+[[nodiscard]] Comparison compare_with_path(const SceneType& scene, const C& camera, std::uint32_t path_samples,
+                                           std::uint32_t samples, unsigned lengths, unsigned runs = 16,
+                                           const BidirectionalPathConfig& config = {}) {
+  Comparison c{{}, {}, std::vector<RunningMoments>(lengths + 1), std::vector<RunningMoments>(lengths + 1), {}, runs};
+  for (unsigned n = 0; n <= lengths; ++n) c.unweighted.emplace_back(n + 1);
+  for (unsigned run = 0; run < runs; ++run) {
+    const LengthMeans path = path_means(scene, camera, path_samples, lengths + 1, 100 + run, config.max_edges);
+    c.path.add(path.all);
+    const BidirectionalFilm film = render_bidirectional(scene, camera, samples, 200 + run, lengths, config);
+    EXPECT_EQ(film.statistics.invalid, 0U);
+    c.bidirectional.add(film.mean());
+    for (unsigned n = 1; n <= lengths; ++n) {
+      c.path_of_length[n].add(path.by_length[n]);
+      double weighted = 0;
+      for (unsigned s = 0; s <= n; ++s) {
+        weighted += film.weighted(s, n + 1 - s);
+        c.unweighted[n][s].add(film.unweighted(s, n + 1 - s));
+      }
+      c.weighted_of_length[n].add(weighted);
+    }
+  }
+  return c;
+}
+
+/// The mean of the film and of each path length up to `lengths`, every one with both errors below `largest_error` of it.
+template <class SceneType, Camera C>
+void expect_equals_path(const SceneType& scene, const C& camera, std::uint32_t path_samples, std::uint32_t samples,
+                        double largest_error, unsigned lengths = 4, const BidirectionalPathConfig& config = {}) {
+  const Comparison c = compare_with_path(scene, camera, path_samples, samples, lengths, 16, config);
+  const double limit = c.limit(1.0 + lengths);
+  EXPECT_LT(std::abs(z_between(c.bidirectional, c.path)), limit)
+      << c.bidirectional.mean() << " for " << c.path.mean() << " +- " << c.path.standard_error();
+  EXPECT_LT(c.path.standard_error(), largest_error * c.path.mean());
+  EXPECT_LT(c.bidirectional.standard_error(), largest_error * c.path.mean());
+  for (unsigned n = 1; n <= lengths; ++n) {
+    EXPECT_LT(std::abs(z_between(c.weighted_of_length[n], c.path_of_length[n])), limit)
+        << n << " segments: " << c.weighted_of_length[n].mean() << " for " << c.path_of_length[n].mean();
+  }
+}
+
+/// Where on the film light walks arrive: direct light by them alone, pixel by pixel against the drawn light alone.
+inline void expect_light_image_equals_eye_image(double aperture, const ReconstructionFilter<double>& filter,
+                                                std::uint32_t samples) {
+  BallBuilder builder = open_floor();
+  builder.lights.points.push_back({{0.3, -1, 1.5}, Rgb<double>(3)});
+  const auto scene = builder.build();
+  const auto camera = floor_camera(aperture);
+  const std::size_t pixels = std::size_t{camera.width()} * camera.height();
+  constexpr unsigned k_runs = 24;
+  std::vector<RunningMoments> eye(pixels), light(pixels);
+  for (unsigned run = 0; run < k_runs; ++run) {
+    const BidirectionalFilm film = render_bidirectional(scene, camera, samples, run, 2, {2}, filter);
+    for (std::size_t i = 0; i < pixels; ++i) {
+      eye[i].add(film.sums.strategies.at(1, 2).unweighted[i].x / samples);
+      light[i].add(film.sums.strategies.at(2, 1).unweighted[i].x / samples);
+    }
+  }
+  double brightest = 0, mean_error = 0;
+  for (const RunningMoments& m : eye) brightest = std::max(brightest, m.mean());
+  EXPECT_GT(brightest, 0.1);
+  const double limit = student_limit(sidak_level(1e-3, static_cast<double>(pixels)), k_runs - 1);
+  for (std::size_t i = 0; i < pixels; ++i) {
+    const double error = std::hypot(eye[i].standard_error(), light[i].standard_error());
+    // Eye walks draw the far ends of a filter so seldom that their errors are not known there: 0.2 % of the brightest.
+    EXPECT_LT(std::abs(eye[i].mean() - light[i].mean()), limit * error + 2e-3 * brightest)
+        << "pixel " << i << ": " << eye[i].mean() << ' ' << light[i].mean() << ", filter "
+        << static_cast<int>(filter.kind()) << ", aperture " << aperture;
+    mean_error += error / static_cast<double>(pixels);
+  }
+  EXPECT_LT(mean_error, 0.02 * brightest);  // more in the highlight
 }
 
 }  // namespace manylight::test

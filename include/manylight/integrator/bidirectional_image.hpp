@@ -5,9 +5,11 @@
 // anywhere: tiles keep it in lists, which are added up in the order of tiles, so that threads do not matter.
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstdint>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "manylight/integrator/bidirectional_path.hpp"
@@ -24,7 +26,12 @@ struct StrategyImages {
 
   StrategyImages() = default;
   StrategyImages(unsigned longest, std::size_t pixels)
-      : max_edges(longest), strategies(place(longest + 1, 0), {std::vector(pixels, Rgb<double>(0)), std::vector(pixels, Rgb<double>(0))}) {}
+      : max_edges(longest), strategies(place(longest + 1, 0)) {
+    for (Strategy& strategy : strategies) {
+      strategy.unweighted.assign(pixels, Rgb<double>(0));
+      strategy.weighted.assign(pixels, Rgb<double>(0));
+    }
+  }
 
   [[nodiscard]] bool has(unsigned s, unsigned t) const noexcept { return s + t >= 2 && s + t - 1 <= max_edges; }
   [[nodiscard]] Strategy& at(unsigned s, unsigned t) noexcept { return strategies[place(s + t - 1, s)]; }

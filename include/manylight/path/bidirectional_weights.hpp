@@ -13,7 +13,7 @@
 // weight is p_s / sum_j p_j = 1 / (1 + sum_{j<s} p_j / p_s + sum_{j>s} p_j / p_s). Each of the two sums is, at a vertex i
 // of the walk that knows it, b_i times what that walk carries along:
 //
-//   vcm_i = 1 / f_i,      vc_i = (g_{i-1} / f_i) (vcm_{i-1} + rev_{i-2} vc_{i-1}),      sum_{j<s} p_j / p_s = b_i (vcm + rev vc)
+//   vcm_i = 1 / f_i,    vc_i = (g_{i-1} / f_i) (vcm_{i-1} + rev_{i-2} vc_{i-1}),    sum_{j<s} p_j / p_s = b_i (vcm + rev vc)
 //
 // g turns a density per solid angle into one per area at z_{i-1}, rev is the other walk's density of going on to z_{i-2}.
 // At a vertex where a Dirac lobe was drawn, neither segment can be a connection, and both densities count as 1.
