@@ -48,6 +48,63 @@ std::vector<LightRig<double>> single_rigs(double scale) {
 const char* const k_names[] = {"rectangle",   "sphere",   "disk",      "two-sided disk", "point",
                                "directional", "constant", "image map", "inner sphere"};
 
+// The density of light subpaths, asked for at the start that was drawn for a subpath, at the same point of a shape and at a
+// light drawn for a point, is one and the same, and gives the power that subpaths carry: beta = radiance / projected pdf.
+// Planted bugs seen: both sides of a lamp counted as one; the selection left out for point lights.
+TEST(Emission, ProjectedDensityIsTheSameHoweverTheLightIsFound) {
+  auto rigs = single_rigs(1.5);
+  rigs.resize(10);
+  for (std::size_t i = 0; i < 9; ++i) {  // of all kinds together, for their selection
+    LightRig<double>& all = rigs[9];
+    all.bounds = rigs[i].bounds;
+    for (const auto& light : rigs[i].list.points) all.list.points.push_back(light);
+    for (const auto& light : rigs[i].list.directionals) all.list.directionals.push_back(light);
+    for (const auto& light : rigs[i].list.environments) all.list.environments.push_back(light);
+  }
+  rigs[9].list.points.push_back({{0, 1, 1}, Rgb<double>(2), {0, 0, -1}, 0.7, 0.4});
+  rigs[9].shapes.disks = rigs[3].shapes.disks;
+  rigs[9].emit(0, Rgb<double>(7), true);
+  std::size_t points = 0;
+  for (const auto& rig : rigs) {
+    const auto lights = rig.build();
+    IndependentStream<double> stream(3, Stage::test, 0, 0);
+    for (int i = 0; i < 400; ++i) {
+      const auto start = emit(lights, stream);
+      const double pdf = start.projected_pdf();
+      EXPECT_NEAR(start.beta.x, start.radiance.x / pdf, k_round * start.beta.x);
+      if (start.kind == EmitterKind::area) {
+        SurfacePoint<double> point{};
+        point.shape = start.shape;
+        point.primitive = start.primitive;
+        EXPECT_NEAR(lights.projected_pdf_emission(point) / pdf, 1, k_round);
+      }
+      if (start.kind == EmitterKind::environment) {
+        EXPECT_NEAR(lights.projected_pdf_emission_environment(-start.wo) / pdf, 1, k_round);
+      }
+      const double select = stream.next();
+      const auto drawn = lights.sample_direct({0.1, 0.2, 0.3}, select, stream.next_2d());
+      if (!drawn) continue;
+      const double found = lights.projected_pdf_emission(*drawn);
+      if (drawn->kind == EmitterKind::area) {
+        SurfacePoint<double> point{};
+        point.shape = drawn->shape;
+        point.primitive = drawn->primitive;
+        EXPECT_NEAR(found / lights.projected_pdf_emission(point), 1, k_round);
+      } else if (drawn->kind == EmitterKind::environment) {
+        EXPECT_NEAR(found / lights.projected_pdf_emission_environment(drawn->wi), 1, k_round);
+      } else if (drawn->kind == EmitterKind::directional) {
+        EXPECT_NEAR(found, drawn->pdf * k_inv_pi<double> / sqr(lights.scene_radius()), k_round * found);
+      } else {
+        ++points;
+        const bool is_spot = drawn->position == Vec3<double>(0, 1, 1);
+        const double solid_angle = 2 * k_pi<double> * (1 - std::cos(is_spot ? 0.7 : k_pi<double>));
+        EXPECT_NEAR(found, drawn->pdf / solid_angle, k_round * found);
+      }
+    }
+  }
+  EXPECT_GT(points, 400U);  // those of the rig of a point light alone, and more
+}
+
 // What an emission sample carries on average is the total flux; without texture and colour it is so for every sample.
 // Closed forms: pi A L, both sides, 4 pi I, pi R^2 E, 4 pi^2 R^2 L.
 // Planted bugs seen: one pi missing for areas; R for R^2; the factor for two sides left out of beta.

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <optional>
 
 #include <glm/mat4x4.hpp>
 
@@ -50,9 +51,32 @@ class PerspectiveCamera {
     // On the plane at unit distance; film x grows to the right, local x to the left.
     const Vec3<S> through = axis_ + left_ * (tan_x_ - film.x * pixel_) + up_ * (tan_y_ - film.y * pixel_);
     if (aperture_radius_ == S(0)) return {position_, glm::normalize(through)};
-    const Vec2<S> lens = aperture_radius_ * warp::square_to_disk(lens_u);
-    const Vec3<S> offset = left_ * lens.x + up_ * lens.y;
+    const Vec3<S> offset = lens_offset(lens_u);
     return {position_ + offset, glm::normalize(through * focus_distance_ - offset)};
+  }
+
+  /// See concept LensCamera. All rays of one lens point go through the plane in focus, of which a pixel covers the same
+  /// area everywhere: 1 / (pixel^2 cos^3), whatever the lens point.
+  [[nodiscard]] S film_density(const Vec3<S>& direction) const noexcept {
+    const S cosine = glm::dot(direction, axis_);
+    return cosine > S(0) ? S(1) / (sqr(pixel_) * cosine * cosine * cosine) : S(0);
+  }
+  /// See concept LensCamera.
+  [[nodiscard]] std::optional<LensSample<S>> project(const Vec3<S>& point, const Vec2<S>& lens_u) const noexcept {
+    const bool is_pinhole = aperture_radius_ == S(0);
+    const Vec3<S> offset = is_pinhole ? Vec3<S>(0) : lens_offset(lens_u);
+    const Vec3<S> segment = point - (position_ + offset);
+    const S depth = glm::dot(segment, axis_);
+    if (!(depth > S(0))) return std::nullopt;
+    // The inverse of `ray`: where the ray meets the plane in focus, seen from the centre of the lens.
+    Vec3<S> through = segment / depth;
+    if (!is_pinhole) through += offset / focus_distance_;
+    LensSample<S> sample;
+    sample.film = {(tan_x_ - glm::dot(through, left_)) / pixel_, (tan_y_ - glm::dot(through, up_)) / pixel_};
+    sample.position = position_ + offset;
+    sample.film_density = film_density(glm::normalize(segment));
+    if (!(sample.film_density > S(0)) || !std::isfinite(sample.film_density)) return std::nullopt;
+    return sample;
   }
 
   [[nodiscard]] std::uint32_t width() const noexcept { return width_; }
@@ -95,6 +119,11 @@ class PerspectiveCamera {
     left_ = glm::dot(left, x) < S(0) ? -left : left;
   }
 
+  [[nodiscard]] Vec3<S> lens_offset(const Vec2<S>& lens_u) const noexcept {
+    const Vec2<S> lens = aperture_radius_ * warp::square_to_disk(lens_u);
+    return left_ * lens.x + up_ * lens.y;
+  }
+
   Vec3<S> position_{0}, axis_{0}, up_{0}, left_{0};
   S tan_x_ = S(0);  ///< half the film's width on the plane at unit distance
   S tan_y_ = S(0);
@@ -103,6 +132,6 @@ class PerspectiveCamera {
   std::uint32_t width_, height_;
 };
 
-static_assert(Camera<PerspectiveCamera<float>> && Camera<PerspectiveCamera<double>>);
+static_assert(LensCamera<PerspectiveCamera<float>> && LensCamera<PerspectiveCamera<double>>);
 
 }  // namespace manylight

@@ -45,6 +45,11 @@ struct PointEmitter {
   [[nodiscard]] Rgb<S> intensity_towards(const Vec3<S>& w) const noexcept {
     return is_spot() ? intensity * spot_falloff(w, axis, beam_width, cutoff) : intensity;
   }
+  /// Density of the directions of light subpaths, uniform in what is lit, sr^-1.
+  [[nodiscard]] S pdf_direction() const noexcept {
+    // 1 - cos(cutoff) = 2 sin^2(cutoff / 2): narrow cones keep their width.
+    return is_spot() ? S(0.25) * k_inv_pi<S> / sqr(std::sin(cutoff / S(2))) : S(0.25) * k_inv_pi<S>;
+  }
   /// Solid angle that full intensity would fill with the same flux, sr: 2 pi int falloff sin, from
   /// int_b^c (c - t) sin t dt = (c - b) cos b - sin c + sin b.
   [[nodiscard]] S effective_solid_angle() const noexcept {

@@ -38,6 +38,7 @@ struct DirectSample {
   Vec3<S> ng{0};                     ///< geometric unit normal there, outer side; (0,0,0) for point lights
   std::uint32_t shape = k_no_shape;  ///< of area lights
   std::uint32_t primitive = 0;       ///< triangle of an area light on a mesh
+  std::uint32_t emitter = 0;         ///< emissive primitive, as Emitters::selection_probability counts them
 };
 
 /// The start of a light subpath. Throughputs and intensities are for ONE path: divide by the number of paths N.
@@ -61,6 +62,13 @@ struct EmissionSample {
   std::uint32_t shape = k_no_shape;  ///< of area lights
   std::uint32_t primitive = 0;       ///< triangle of an area light on a mesh
   bool two_sided = false;            ///< area lights: the pattern D is |wo . ng| / pi on both sides
+
+  /// Density of the start, p(position) p(wo), over the cosine |wo . ng| of area lights: the same for all their wo.
+  /// m^-2 sr^-1; of point lights sr^-1, of directional ones m^-2; selection included.
+  [[nodiscard]] S projected_pdf() const noexcept {
+    if (kind != EmitterKind::area) return pdf_position * pdf_direction;
+    return pdf_position * k_inv_pi<S> / (two_sided ? S(2) : S(1));
+  }
 };
 
 }  // namespace manylight

@@ -61,18 +61,10 @@ class Emitters {
   [[nodiscard]] std::optional<DirectSample<S>> sample_direct(const Vec3<S>& reference, S u_select,
                                                              const Vec2<S>& u) const noexcept {
     if (empty()) return std::nullopt;
-    const Slot slot = locate(table_.sample(widen_variate(u_select, u.x)));
-    switch (slot.kind) {
-      case EmitterKind::area:
-        return direct_area(slot, reference, u);
-      case EmitterKind::point:
-        return direct_point(slot, reference);
-      case EmitterKind::directional:
-        return direct_directional(slot);
-      case EmitterKind::environment:
-        break;
-    }
-    return direct_environment(slot, u);
+    const std::uint32_t emitter = table_.sample(widen_variate(u_select, u.x));
+    auto sample = direct(locate(emitter), reference, u);
+    if (sample) sample->emitter = emitter;
+    return sample;
   }
   /// Density with which `sample_direct` draws the point `light` of an emissive shape, seen along the unit vector `wi`,
   /// at `reference`: per solid angle, selection included, sr^-1.
@@ -112,6 +104,29 @@ class Emitters {
         break;
     }
     return emission_environment(slot, u_position, u_direction);
+  }
+
+  /// EmissionSample::projected_pdf of a light subpath that starts at that point of an emissive shape.
+  [[nodiscard]] S projected_pdf_emission(const SurfacePoint<S>& light) const noexcept {
+    if (empty() || !is_emitter(light.shape)) return S(0);
+    return projected_pdf_area(shapes_.primitive_of(light));
+  }
+  /// The same of one that comes from the unit direction `wi` at infinity.
+  [[nodiscard]] S projected_pdf_emission_environment(const Vec3<S>& wi) const noexcept {
+    return pdf_direct_environment(wi) * entry_pdf();
+  }
+  /// The same of one that starts where `light` was drawn.
+  [[nodiscard]] S projected_pdf_emission(const DirectSample<S>& light) const noexcept {
+    switch (light.kind) {
+      case EmitterKind::area:
+        return projected_pdf_area(light.emitter);
+      case EmitterKind::point:
+        return light.pdf * points_[light.emitter - shapes_.count()].pdf_direction();
+      case EmitterKind::directional:
+      case EmitterKind::environment:
+        break;
+    }
+    return light.pdf * entry_pdf();
   }
 
   // ---- facts ----
@@ -175,6 +190,27 @@ class Emitters {
     const S pdf = glm::dot(segment, segment) / (cosine * shapes_.area(primitive));
     return std::isfinite(pdf) ? pdf : S(0);
   }
+
+  [[nodiscard]] std::optional<DirectSample<S>> direct(const Slot& slot, const Vec3<S>& reference,
+                                                      const Vec2<S>& u) const noexcept {
+    switch (slot.kind) {
+      case EmitterKind::area:
+        return direct_area(slot, reference, u);
+      case EmitterKind::point:
+        return direct_point(slot, reference);
+      case EmitterKind::directional:
+        return direct_directional(slot);
+      case EmitterKind::environment:
+        break;
+    }
+    return direct_environment(slot, u);
+  }
+  [[nodiscard]] S projected_pdf_area(std::uint32_t primitive) const noexcept {
+    const S sides = shapes_.two_sided(primitive) ? S(2) : S(1);
+    return static_cast<S>(table_.pmf(primitive)) * k_inv_pi<S> / (shapes_.area(primitive) * sides);
+  }
+  /// Of the points where light from infinity enters, m^-2.
+  [[nodiscard]] S entry_pdf() const noexcept { return k_inv_pi<S> / (radius_ * radius_); }
 
   [[nodiscard]] std::optional<DirectSample<S>> direct_area(const Slot& slot, const Vec3<S>& reference,
                                                            const Vec2<S>& u) const noexcept;

@@ -203,11 +203,10 @@ EmissionSample<S> Emitters<S>::emission_point(const Slot& slot, const Vec2<S>& u
     const S phi = S(2) * k_pi<S> * u_direction.y;
     sample.wo = glm::normalize(
         Frame<S>(light.axis).to_world({radius * std::cos(phi), radius * std::sin(phi), S(1) - height}));
-    sample.pdf_direction = S(0.5) * k_inv_pi<S> / rise;
   } else {
     sample.wo = warp::square_to_sphere(u_direction);
-    sample.pdf_direction = k_inv_pi<S> / S(4);
   }
+  sample.pdf_direction = light.pdf_direction();
   sample.radiance = light.intensity_towards(sample.wo);
   sample.pdf_position = slot.pmf;
   sample.intensity = light.intensity * (S(4) * k_pi<S> / slot.pmf);
@@ -223,7 +222,7 @@ EmissionSample<S> Emitters<S>::emission_directional(const Slot& slot, const Vec2
   sample.position = entry_point(light.direction, u_position);
   sample.wo = light.direction;
   sample.radiance = light.irradiance;
-  sample.pdf_position = k_inv_pi<S> / (radius_ * radius_);
+  sample.pdf_position = entry_pdf();
   sample.pdf_direction = slot.pmf;
   sample.intensity = light.irradiance / (sample.pdf_position * slot.pmf);
   sample.beta = sample.intensity;
@@ -241,7 +240,7 @@ std::optional<EmissionSample<S>> Emitters<S>::emission_environment(const Slot& s
   if (!(sample.pdf_direction > S(0))) return std::nullopt;
   sample.position = entry_point(sample.wo, u_position);
   sample.radiance = environment(to_light);
-  sample.pdf_position = k_inv_pi<S> / (radius_ * radius_);
+  sample.pdf_position = entry_pdf();
   sample.intensity = sample.radiance / (sample.pdf_position * sample.pdf_direction);
   sample.beta = sample.intensity;
   return sample;
