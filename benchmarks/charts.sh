@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# benchmarks/charts.sh [-o FOLDER] [-s REFERENCE_SCENES] [OPTION OF manylight-chart...]
+# benchmarks/charts.sh [-o FOLDER] [-s REFERENCE_SCENES] [OPTION...]: options of manylight-chart after --.
 # Charts error over time of every scene in examples/scenes, and of the scenes below REFERENCE_SCENES that have a
 # reference-path-WxH.exr beside them, with that as the truth. All goes to FOLDER (out/charts), one folder per scene;
 # what is there already is not rendered again. Takes hours; --budget S says how long one rendering may take.
@@ -14,7 +14,7 @@ while getopts o:s: option; do
   case $option in
     o) output=$OPTARG ;;
     s) references=$OPTARG ;;
-    *) echo "usage: benchmarks/charts.sh [-o FOLDER] [-s REFERENCE_SCENES] [OPTION OF manylight-chart...]" >&2; exit 2 ;;
+    *) echo "usage: benchmarks/charts.sh [-o FOLDER] [-s REFERENCE_SCENES] [OPTION...]" >&2; exit 2 ;;
   esac
 done
 shift $((OPTIND - 1))

@@ -70,7 +70,7 @@ def make(options):
     text = json.dumps(_without_infinities(result), indent=1) + "\n"
     runs.write_by_rename(options.output / "chart.json", text)
     _draw(result, options.output, truth)
-    runs.write_by_rename(options.output / "chart.html", page.render(_without_infinities(result), options.output))
+    runs.write_by_rename(options.output / "chart.html", page.render(result, options.output))
 
 
 def _draw(result, folder, truth):

@@ -45,15 +45,21 @@ def _rung(folder, records, batches, truth):
 
 
 def _missing(record):
-    """What the ledger of a run says, as shares of the whole light."""
+    """What the ledger of a run says, as shares of the whole light.
+
+    `against_reference` leaves out paths beyond the greatest depth, which the reference has not either.
+    """
     if not record or not record["statistics"].get("missing"):
         return None
     ledger = record["statistics"]["missing"]
     truth = ledger["truth"]["luminance"] or 1.0
+    shares = {name: entry["share"] for name, entry in ledger["entries"].items()}
+    error = ledger["total"]["standard_error"] / truth
     return {
         "command": record["command"],
-        "total": {"share": ledger["total"]["share"], "standard_error": ledger["total"]["standard_error"] / truth},
-        "entries": {name: entry["share"] for name, entry in ledger["entries"].items()},
+        "total": {"value": ledger["total"]["share"], "standard_error": error},
+        "against_reference": {"value": ledger["total"]["share"] - shares.get("depth", 0.0), "standard_error": error},
+        "entries": shares,
     }
 
 
@@ -83,6 +89,8 @@ def evaluate(folder, methods, records, options):
     """Everything but date and machine."""
     batches = load_reference(folder, records["reference"], options)
     truth = np.mean(batches, axis=0)
+    if not truth.mean() > 0:
+        raise InputError("the reference is black: there is nothing to relate errors to")
     result = {"methods": [], "height": truth.shape[0], "width": truth.shape[1]}
     for method in methods:
         rungs = [_rung(folder, rung, batches, truth) for rung in records["methods"][method["label"]]]

@@ -14,4 +14,5 @@ def describe():
             if line.startswith("model name"):
                 model = line.split(":", 1)[1].strip()
                 break
-    return {"processor": model, "cores": len(os.sched_getaffinity(0)), "system": f"{platform.system()} {platform.release()}"}
+    return {"processor": model, "cores": len(os.sched_getaffinity(0)),
+            "system": f"{platform.system()} {platform.release()}"}

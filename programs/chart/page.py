@@ -2,6 +2,7 @@
 """One HTML page that holds all: no scripts, no other files."""
 import base64
 import html
+import math
 
 import evaluate
 import tables
@@ -24,7 +25,7 @@ def _number(value, digits=3):
 def _signed(estimate, unit=1.0, suffix=""):
     """A value with its standard error."""
     error = estimate["standard_error"]
-    if error is None:
+    if not math.isfinite(error):
         return f"{unit * estimate['value']:+.2g}{suffix}"
     return f"{unit * estimate['value']:+.2g} ± {unit * error:.1g}{suffix}"
 
@@ -66,8 +67,8 @@ def time_rows(chart):
 
 def summary_rows(chart):
     """One row per method at its dearest rung."""
-    head = ["method", "settings", "seconds", "relMSE", "trimmed", "variance, relative", "bias², relative", "mean", "SSIM",
-            "missing light", "slowest seed / fastest"]
+    head = ["method", "settings", "seconds", "relMSE", "trimmed", "variance, relative", "bias², relative", "mean",
+            "SSIM", "missing light", "slowest seed / fastest"]
     rows = []
     for method in chart["methods"]:
         rung = method["rungs"][-1]
@@ -79,8 +80,8 @@ def summary_rows(chart):
             _signed(split["rel_variance"]) if split else "-", _signed(split["rel_bias_squared"]) if split else "-",
             _signed(split["mean_signed_difference"], 100, " %") if split else "-",
             _number(evaluate.medians(rung, "ssim")) if "ssim" in rung["runs"][0] else "-",
-            _signed({"value": missing["total"]["share"], "standard_error": missing["total"]["standard_error"]}, 100,
-                    " %") if missing else "-", _number(max(seconds) / min(seconds), 2)])
+            _signed(missing["against_reference"], 100, " %") if missing else "-",
+            _number(max(seconds) / min(seconds), 2)])
     return head, rows
 
 
@@ -89,12 +90,13 @@ def reference_text(reference):
     if "file" in reference:
         return f"{reference['file']}, taken as exact: its own noise counts as error of the methods."
     share = reference["share_of_least_error"]
-    text = (f"{reference['batches']} independent images by path, {reference['settings']['spp']} samples per pixel each, "
-            f"with seeds of their own; relative variance of their mean {reference['rel_variance']:.2g}")
+    text = (f"{reference['batches']} independent images by path, {reference['settings']['spp']} samples per pixel "
+            f"each, with seeds of their own; relative variance of their mean {reference['rel_variance']:.2g}")
     if share is None:
         return text + "."
-    advice = "" if share <= 0.01 else " More than 1 %: a larger --reference-budget would make the lower ends more exact."
-    return text + f", {100 * share:.2g} % of the least error charted; the split into variance and bias² has it taken off." + advice
+    advice = " More than 1 %: a larger --reference-budget would make the lower ends more exact."
+    return (text + f", {100 * share:.2g} % of the least error charted; the split into variance and bias² has it taken "
+            "off." + ("" if share <= 0.01 else advice))
 
 
 def _embed(path):
@@ -126,7 +128,8 @@ bias of the dearest rung, dotted ones slopes of unbiased methods (-1/2) and of t
 {_table(*time_rows(chart))}
 <h2>The dearest rung of each method</h2>
 <p>MSE = variance + bias², both estimated without bias from all seeds: a bias² of nothing comes out negative as often as
-not. Missing light is what the method's own ledger books as left out.</p>
+not. Missing light is what the method's own ledger books as left out,
+but for paths that are too long for the reference as well: it should be the mean with the other sign.</p>
 {_table(*summary_rows(chart))}
 <h2>At equal time</h2>
 <img alt="Images at equal time" src="{_embed(folder / 'equal_time.png')}">

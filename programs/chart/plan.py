@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Which runs a chart needs, and doing them. Seed 1 climbs the ladder first: its times decide how far it reaches."""
+import evaluate
 import ladder
 import progress
 import runs
@@ -14,19 +15,21 @@ def _show(job, left, quiet):
     progress.show(f"{runs.job_name(job)}; {tail}", quiet)
 
 
-def climb(context, method, budget, rungs, quiet):
-    """Records of seed 1 at each rung; `rungs` of them, or as many as the budget allows."""
+def climb(context, method, budget, options):
+    """Records of seed 1 at each rung: as many as the options ask for, or as the budget allows on their clock."""
+    clock = evaluate.CLOCKS[options.clock]
     records = []
-    while len(records) < rungs if rungs else ladder.is_affordable([r["seconds"] for r in records], budget):
+    while (len(records) < options.rungs if options.rungs else
+           ladder.is_affordable([record[clock] for record in records], budget)):
         job = runs.make_job(method, ladder.settings(method["method"], len(records)), 1)
         if runs.find(context, job) is None:
-            _show(job, None, quiet)
+            _show(job, None, options.quiet)
         records.append(runs.do(context, job))
     return records
 
 
 def reference_spp(per_sample, batches, budget):
-    """Samples per pixel of a batch so that all take about `budget` seconds: a power of two."""
+    """Samples per pixel of a batch so that all take about `budget` seconds: a power of 2."""
     spp = 1
     while 2 * spp * batches * per_sample <= budget:
         spp *= 2
@@ -34,15 +37,16 @@ def reference_spp(per_sample, batches, budget):
 
 
 def reference_jobs(context, records, options):
-    """Batches of path tracing with seeds of their own, and the seconds of one; none if a file is the reference."""
+    """Batches of path tracing with seeds of their own, and the wall seconds of one; none if a file is the reference."""
     if options.reference:
         return [], 0.0
     path = {"label": "path", "method": "path", "arguments": []}
-    probes = records.get("path") or climb(context, path, options.budget / 4, options.rungs, options.quiet)
-    per_sample = probes[-1]["seconds"] / probes[-1]["settings"]["spp"]
+    probes = records.get("path") or climb(context, path, options.budget / 4, options)
+    per_sample = probes[-1][evaluate.CLOCKS[options.clock]] / probes[-1]["settings"]["spp"]
     spp = options.reference_spp or reference_spp(per_sample, options.reference_batches, options.reference_budget)
     seeds = range(REFERENCE_SEED, REFERENCE_SEED + options.reference_batches)
-    return [runs.make_job(path, {"spp": spp}, seed) for seed in seeds], spp * per_sample
+    wall_per_sample = probes[-1]["seconds"] / probes[-1]["settings"]["spp"]
+    return [runs.make_job(path, {"spp": spp}, seed) for seed in seeds], spp * wall_per_sample
 
 
 def ledger_jobs(methods, records, options):
@@ -68,7 +72,7 @@ def do_all(context, jobs, expected, quiet):
 
 def carry_out(context, methods, options):
     """Records: per method and rung those of all seeds, of the reference, of the ledger."""
-    climbed = {m["label"]: climb(context, m, options.budget, options.rungs, options.quiet) for m in methods}
+    climbed = {m["label"]: climb(context, m, options.budget, options) for m in methods}
     batches, batch_seconds = reference_jobs(context, climbed, options)
     ledger = ledger_jobs(methods, climbed, options)
     # Seeds outside, methods inside: a machine that slows down for a while does so for all of them.

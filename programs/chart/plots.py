@@ -1,7 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
 """The pictures: error over time and over rays, and the contact sheet."""
-import math
-
 import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
@@ -51,12 +49,13 @@ def error_figure(chart, x_key, x_title):
     palette = colours(chart["methods"])
     for method in chart["methods"]:
         _draw_method(axes, method, x_key, metric, palette[method["label"]])
-    axes.set(xscale="log", yscale="log", xlabel=x_title, ylabel=evaluate.METRICS[metric][2])
+    axes.set(xscale="log", xlabel=x_title, ylabel=evaluate.METRICS[metric][2])
     firsts = [evaluate.medians(m["rungs"][0], x_key) for m in chart["methods"]]
     lasts = [evaluate.medians(m["rungs"][-1], x_key) for m in chart["methods"]]
     key, exponent, _ = evaluate.METRICS[metric]
     start = max(evaluate.medians(m["rungs"][0], key, exponent) for m in chart["methods"])
-    if 0 < start < math.inf and min(firsts) > 0:
+    if start > 0:  # else all is exact, and a logarithmic axis has no place for it
+        axes.set_yscale("log", nonpositive="clip")
         _guide(axes, -1 / 2, "slope -1/2", min(firsts), max(lasts), start)
         _guide(axes, -1 / 3, "slope -1/3", min(firsts), max(lasts), start)
     axes.grid(True, which="major", color="0.9", lw=0.6)

@@ -56,6 +56,8 @@ def path_of(context, job, suffix):
 
 def find(context, job):
     """The record of a finished run, or None."""
+    if not path_of(context, job, ".pfm").exists():
+        return None
     try:
         return json.loads(path_of(context, job, ".json").read_text())
     except FileNotFoundError:
