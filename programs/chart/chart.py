@@ -6,6 +6,7 @@ import subprocess
 import time
 
 import evaluate
+import images
 import ladder
 import machine
 import page
@@ -48,11 +49,19 @@ def _parameters(options):
     return {name: getattr(options, name) for name in names}
 
 
+def _check_reference(context, methods, options):
+    """Hours of rendering are no time to learn that the reference is unusable: one cheap run tells."""
+    record = runs.do(context, runs.make_job(methods[0], ladder.settings(methods[0]["method"], 0), 1))
+    evaluate.require_same_size(images.read(options.reference), evaluate.load_image(options.output, record))
+
+
 def make(options):
     """Does what is missing and writes all files into the folder of the options."""
     methods = ladder.parse_methods(options.methods)
     context = runs.make_context(options.render, options.scene, options.output, _common_arguments(options))
     runs.remove_unfinished(context)
+    if options.reference:
+        _check_reference(context, methods, options)
     records = plan.carry_out(context, methods, options)
     runs.remove_unfinished(context)
     figures, truth = evaluate.evaluate(options.output, methods, records, options)
@@ -63,12 +72,14 @@ def make(options):
         "machine": machine.describe(),
         "load": _loads(records),
         "scene": str(options.scene),
+        "scene_name": options.scene.stem,
         "title": f"{options.scene.stem}, {figures['width']} x {figures['height']} pixels",
         "parameters": _parameters(options),
         **figures,
     }
     text = json.dumps(_without_infinities(result), indent=1) + "\n"
     runs.write_by_rename(options.output / "chart.json", text)
+    runs.write_by_rename(options.output / "table.md", page.markdown(*page.cost_rows(result)))
     _draw(result, options.output, truth)
     runs.write_by_rename(options.output / "chart.html", page.render(result, options.output))
 

@@ -31,11 +31,16 @@ def load_reference(folder, records, options):
     return [load_image(folder, record) for record in records]
 
 
+def require_same_size(reference, image):
+    """Raises InputError unless a run can be compared with the reference."""
+    if image.shape != reference.shape:
+        sizes = [f"{array.shape[1]} x {array.shape[0]}" for array in (reference, image)]
+        raise InputError(f"the reference has {sizes[0]} pixels, the runs {sizes[1]}")
+
+
 def _rung(folder, records, batches, truth):
     pictures = [load_image(folder, record) for record in records]
-    if pictures[0].shape != truth.shape:
-        raise InputError("the reference has {1} x {0} pixels, the runs {3} x {2}".format(
-            *truth.shape[:2], *pictures[0].shape[:2]))
+    require_same_size(truth, pictures[0])
     run_list = [{**{key: record[key] for key in _RUN_KEYS}, **errors.measure(picture, truth)}
                 for record, picture in zip(records, pictures)]
     rung = {"settings": records[0]["settings"], "runs": run_list}

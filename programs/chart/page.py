@@ -85,6 +85,25 @@ def summary_rows(chart):
     return head, rows
 
 
+def cost_rows(chart):
+    """One row per point; error times CPU seconds is constant over the points of an unbiased method."""
+    head = ["scene, size", "method", "CPU s", "relMSE", "trimmed", "mean", "trimmed x CPU"]
+    rows = []
+    for method in chart["methods"]:
+        for rung in method["rungs"]:
+            settings = ", ".join(f"{value} {name}" for name, value in rung["settings"].items())
+            cpu, trimmed = (evaluate.medians(rung, key) for key in ("cpu_seconds", "trimmed_rel_mse"))
+            rows.append([f"{chart['scene_name']} {chart['width']}x{chart['height']}", f"{method['label']}, {settings}",
+                         f"{cpu:.1f}", f"{evaluate.medians(rung, 'rel_mse'):.4f}", f"{trimmed:.4f}",
+                         f"{100 * evaluate.medians(rung, 'mean_signed_difference'):+.2f} %", f"{trimmed * cpu:.3f}"])
+    return head, rows
+
+
+def markdown(head, rows):
+    """The same table in plain text."""
+    return "".join("| " + " | ".join(row) + " |\n" for row in [head, ["---"] * len(head), *rows])
+
+
 def reference_text(reference):
     """How good the reference is, in a sentence."""
     if "file" in reference:
@@ -131,6 +150,9 @@ bias of the dearest rung, dotted ones slopes of unbiased methods (-1/2) and of t
 not. Missing light is what the method's own ledger books as left out,
 but for paths that are too long for the reference as well: it should be the mean with the other sign.</p>
 {_table(*summary_rows(chart))}
+<h2>Error times processor time</h2>
+<p>Medians of all points. The product stays the same along the ladder of an unbiased method.</p>
+{_table(*cost_rows(chart))}
 <h2>At equal time</h2>
 <img alt="Images at equal time" src="{_embed(folder / 'equal_time.png')}">
 <h2>Commands</h2>

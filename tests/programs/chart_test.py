@@ -287,6 +287,9 @@ class Charts(Folder):
         self.assertAlmostEqual(row["times"]["path"], 0.016, delta=0.001)
         self.assertEqual(row["times"]["path"], row["speed_ups"]["path"] * row["times"]["path"])
         drawn = (self.folder / "b" / "error_over_time.svg").read_text()
+        table = (self.folder / "b" / "table.md").read_text().splitlines()
+        self.assertEqual(len(table), 2 + 9)
+        self.assertRegex(table[4], r"^\| cornell 32x24 \| path, 64 spp \| ")
         self.assertIn("bias of vpl", drawn)
         self.assertNotIn("bias of path", drawn)
 
