@@ -124,6 +124,64 @@ TEST_F(Compare, DifferenceImage) {
   EXPECT_EQ(image.at(1, 1).z, 0.0F);
 }
 
+// Oracle: by hand. Runs 1 and 3 of a reference 1: MSE 2, variance 2, bias^2 0; relative 1.0025 below. The mean is 2 with
+// an error of 1, +100 %.
+TEST_F(Compare, RunsAreSplitIntoVarianceAndBias) {
+  write("three.pfm", 3.0F);
+  const Outcome outcome =
+      run({"--runs", path("reference.exr"), path("three.pfm"), "--reference", path("reference.exr"), "--json"});
+  ASSERT_EQ(outcome.code, 0) << outcome.errors;
+  const auto json = nlohmann::json::parse(outcome.out);
+  const auto value = [&](const char* name) { return json.at(name).at("value").get<double>(); };
+  EXPECT_NEAR(value("mse"), 2.0, 1e-14);  // small integers
+  EXPECT_NEAR(value("variance"), 2.0, 1e-14);
+  EXPECT_NEAR(value("bias_squared"), 0.0, 1e-14);
+  EXPECT_NEAR(value("rel_mse"), 2.0 / 1.0025, 1e-14);
+  EXPECT_NEAR(value("mean_signed_difference"), 1.0, 1e-14);
+  EXPECT_NEAR(json.at("mean_signed_difference").at("standard_error").get<double>(), 1.0, 1e-14);
+  EXPECT_TRUE(json.at("bias_squared").at("standard_error").is_null());  // two runs do not tell
+  EXPECT_FALSE(json.contains("t_test"));
+}
+
+// Oracle: two references of 0.5 and 1.5 have a variance of 0.25, as one of that variance.
+TEST_F(Compare, SeveralReferencesOrAVariance) {
+  write("low.pfm", 0.5F);
+  write("quarter.pfm", 0.25F);
+  const std::vector<std::string> runs{"--runs", path("reference.exr"), path("brighter.pfm"), "--json", "--reference"};
+  std::vector<std::string> several = runs, known = runs;
+  several.insert(several.end(), {path("low.pfm"), path("brighter.pfm")});
+  known.insert(known.end(), {path("reference.exr"), "--reference-variance", path("quarter.pfm")});
+  for (const auto& arguments : {several, known}) {
+    const Outcome outcome = run(arguments);
+    ASSERT_EQ(outcome.code, 0) << outcome.errors;
+    const auto json = nlohmann::json::parse(outcome.out);
+    EXPECT_NEAR(json.at("reference_variance").get<double>(), 0.25, 1e-14);
+    EXPECT_NEAR(json.at("bias_squared").at("value").get<double>(), -0.25, 1e-14);  // 0.25^2 - 0.125 / 2 - 0.25
+  }
+}
+
+// Oracle: equal runs above an exact reference have no noise: any difference fails; equal to it, they pass.
+TEST_F(Compare, TTestDecidesTheExitCode) {
+  const auto test = [&](const std::string& image, const std::string& tolerance) {
+    return run({"--runs", path(image), path(image), "--reference", path("reference.exr"), "--test-level", "0.01",
+                "--test-block", "2", "--test-tolerance", tolerance});
+  };
+  EXPECT_EQ(test("reference.exr", "0").code, 0);
+  EXPECT_EQ(test("brighter.pfm", "0").code, 1);
+  EXPECT_EQ(test("brighter.pfm", "0.5").code, 0);
+  EXPECT_THAT(test("brighter.pfm", "0").out, HasSubstr("3 of 3 block-channels fail"));
+}
+
+// Oracle: 1 of equal images; left out where the window does not fit.
+TEST_F(Compare, SsimNeedsElevenPixels) {
+  image_io::write_image(path("large.pfm"), Image<float>(11, 11, Rgb<float>(1.0F)));
+  const auto ssim = [&](const std::string& name) {
+    return nlohmann::json::parse(run({path(name), path(name), "--json"}).out).value("ssim", -1.0);
+  };
+  EXPECT_NEAR(ssim("large.pfm"), 1.0, 1e-13);  // rounding
+  EXPECT_EQ(ssim("reference.exr"), -1.0);
+}
+
 TEST_F(Compare, HelpAndVersionSucceed) {
   const Outcome help = run({"--help"});
   EXPECT_EQ(help.code, 0);
@@ -144,6 +202,15 @@ TEST_F(Compare, BadCommandLines) {
   expect_error({path("reference.exr"), path("reference.exr"), "--difference", path("d.exr"), "--difference-range",
                 "0"}, "range");
   EXPECT_FALSE(fs::exists(path("d.exr")));
+  const std::string image = path("reference.exr");
+  expect_error({"--runs", image, image}, "--reference");
+  expect_error({"--runs", image, "--reference", image}, "1 runs given, at least 2");
+  expect_error({image, image, "--runs", image, "--reference", image}, "--runs");
+  expect_error({image, image, "--test-level", "0.1"}, "--runs");
+  expect_error({"--runs", image, image, "--reference", image, "--test-level", "2"}, "--test-level");
+  expect_error({"--runs", image, image, "--reference", image, "--test-level", "0.1", "--test-block", "0"}, "block");
+  expect_error({"--runs", image, path("missing.exr"), "--reference", image}, "missing.exr: no such file");
+  expect_error({"--runs", image, image, "--reference", image, image, "--reference-variance", image}, "variance");
 }
 
 TEST_F(Compare, BadFiles) {
