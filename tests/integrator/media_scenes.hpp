@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -8,10 +9,13 @@
 #include "integrator/builders.hpp"
 #include "manylight/geometry/bvh.hpp"
 #include "manylight/media/any_medium.hpp"
+#include "manylight/media/fiber_medium.hpp"
 #include "manylight/media/heterogeneous.hpp"
 #include "manylight/media/homogeneous.hpp"
 #include "manylight/scattering/any_of.hpp"
+#include "manylight/scattering/any_phase.hpp"
 #include "manylight/scattering/dielectric.hpp"
+#include "manylight/scattering/gaussian_fiber.hpp"
 #include "manylight/scattering/henyey_greenstein.hpp"
 #include "manylight/scattering/lambertian.hpp"
 
@@ -36,7 +40,15 @@ struct FoggyShader {
 
 using Fog = Homogeneous<HenyeyGreenstein<double>>;
 using Smoke = Heterogeneous<HenyeyGreenstein<double>>;
-using FoggyMedium = AnyMedium<Fog, Smoke>;
+/// Makes the fibers of a cloth, which share a table.
+struct Fibers {
+  std::shared_ptr<const GaussianFiberTable<double>> table;
+  [[nodiscard]] GaussianFiber<double> operator()(const Vec3<double>& axis) const noexcept { return {*table, axis}; }
+  [[nodiscard]] double max_projected_area() const noexcept { return table->sigma(1.0); }
+};
+using Cloth = FiberMedium<Fibers, GridVolume<double>>;
+using FoggyPhase = AnyPhase<HenyeyGreenstein<double>, GaussianFiber<double>>;
+using FoggyMedium = AnyMediumWith<FoggyPhase, Fog, Smoke, Cloth>;
 using FoggyScene = Scene<Bvh<double>, FoggyShader, SceneMedia<FoggyMedium>>;
 
 [[nodiscard]] inline Fog fog(double sigma_a, double sigma_s, double g = 0) {
@@ -49,6 +61,21 @@ using FoggyScene = Scene<Bvh<double>, FoggyShader, SceneMedia<FoggyMedium>>;
   placement.box = Box<double>{lo, hi};
   GridVolume<double> density({2, 2, 2}, GridVolume<double>::Samples(8, 1.0F), placement);
   return Smoke(std::move(density), scale, Rgb<double>(albedo), {g});
+}
+
+/// Threads in stripes along x and y by turns, all over the box [lo, hi]; `scale`: twice the density of fibers, 1 / m.
+[[nodiscard]] inline Cloth striped_cloth(const Vec3<double>& lo, const Vec3<double>& hi, double scale, double albedo,
+                                         double gamma) {
+  GridPlacement<double> placement;
+  placement.box = Box<double>{lo, hi};
+  GridVolume<double>::Samples density;
+  std::vector<Vec3<double>> axes;
+  for (int i = 0; i < 8 * 8 * 2; ++i) {
+    density.push_back(i % 3 == 0 ? 0.4F : 1.0F);
+    axes.push_back(i / 8 % 2 == 0 ? Vec3<double>(1, 0, 0.3) : Vec3<double>(0, 1, -0.2));
+  }
+  return Cloth(GridVolume<double>({8, 8, 2}, std::move(density), placement), axes, scale, Rgb<double>(albedo),
+               Fibers{std::make_shared<const GaussianFiberTable<double>>(gamma)});
 }
 
 /// Collects meshes and spheres, what they are made of and what is inside and outside of them.

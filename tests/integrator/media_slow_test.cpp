@@ -32,6 +32,10 @@ void expect_closed_in(const FoggyMedium& medium, double least) {
 TEST(Media, FogImageAndLedger) { expect_closed_in(fog(0.3, 1.2, 0.4), -1); }
 TEST(Media, SmokeImageAndLedger) { expect_closed_in(even_smoke({-1, -1, -1}, {1, 0.3, 1}, 2, 0.9, 0.8), 0.001); }
 
+TEST(Media, ClothImageAndLedger) {
+  expect_closed_in(striped_cloth({-1, -1, -0.2}, {1, 0.4, 0.2}, 20, 0.9, 0.2575), -1);
+}
+
 /// Stability case 27: dense fog that scatters almost straight on, with a lamp inside. Nothing invalid, no spikes, and the
 /// energy that C_V takes from the forward peak is in the ledger.
 TEST(Media, DenseForwardFog) {

@@ -28,12 +28,12 @@ class ShippedScenes : public ScratchTest {
     ScratchTest::SetUp();
     if (run_program("python3 --version").exit_code != 0) GTEST_SKIP() << "python3, which makes the meshes, is missing";
   }
-  [[nodiscard]] static ProgramRun generate(const std::string& arguments) {
-    return run_program("python3 '" + (k_scenes / "generate.py").string() + "' " + arguments);
+  [[nodiscard]] static ProgramRun run_script(const char* script, const std::string& arguments) {
+    return run_program("python3 '" + (k_scenes / script).string() + "' " + arguments);
   }
   /// What the script prints after writing scene `name` into the scratch folder `folder`.
   [[nodiscard]] std::string generate(const std::string& name, const std::string& folder) const {
-    const ProgramRun run = generate(name + " '" + path(folder).string() + "'");
+    const ProgramRun run = run_script("generate.py", name + " '" + path(folder).string() + "'");
     EXPECT_EQ(run.exit_code, 0) << run.output;
     return run.output;
   }
@@ -112,11 +112,45 @@ TEST_F(ShippedScenes, CafeTableHasItsBallsLampsAndMeshes) {
   expect_outward_normals(scene);
 }
 
+TEST_F(ShippedScenes, KitchenHasWhatItsDocumentationPromises) {
+  for (const char* folder : {"kitchen", "again"}) {
+    const ProgramRun run = run_script("kitchen.py", "'" + path(folder).string() + "'");
+    ASSERT_EQ(run.exit_code, 0) << run.output;
+  }
+  EXPECT_TRUE(files_of(path("kitchen")) == files_of(path("again")));
+  const SceneDescription scene = load_scene(path("kitchen/kitchen.xml"));
+  EXPECT_TRUE(scene.warnings.empty());
+  EXPECT_EQ(scene.emitters.areas.size(), 25U);
+  EXPECT_EQ(scene.subsurfaces.size(), 3U) << "milk and a figure of two parts";
+  ASSERT_EQ(scene.media.size(), 2U);
+  std::size_t voxels = 0;
+  for (const MediumDescription& medium : scene.media) {
+    ASSERT_TRUE(medium.density.has_value());
+    if (medium.axes.empty()) continue;
+    const auto& lattice = medium.density->lattice();
+    voxels = lattice.sample_count() * lattice.copies(0) * lattice.copies(1) * lattice.copies(2);
+  }
+  EXPECT_GE(voxels, std::size_t{512} * 512 * 512);
+  expect_outward_normals(scene);
+  const ProgramRun run = run_program(std::string(MANYLIGHT_RENDER_PROGRAM) + " '" + path("kitchen/kitchen.xml").string() +
+                                     "' -q -m bdlc --size 12x8 --vpls 2000 --eye-paths 2 -o '" + path("a.pfm").string() + "'");
+  EXPECT_EQ(run.exit_code, 0) << run.output;
+}
+
+TEST_F(ShippedScenes, CafeFigureStandsInPlaceOfTheBalls) {
+  static_cast<void>(generate("cafe_figure", "figure"));
+  const SceneDescription scene = load_scene(path("figure/cafe_figure.xml"));
+  EXPECT_TRUE(scene.warnings.empty());
+  EXPECT_EQ(scene.subsurfaces.size(), 2U);
+  EXPECT_FALSE(kinds_in_use(scene).contains(MaterialKind::ward));
+  EXPECT_EQ(scene.shape_infos.size(), load_scene(k_scenes / "cafe_table.xml").shape_infos.size()) << "two for two";
+}
+
 TEST_F(ShippedScenes, BadCallsOfTheScriptEndInOneLine) {
   const std::string file = write("file", "").string();
   for (const std::string& arguments :
        {std::string(), std::string("lantern_hall"), "teapot " + file, "cafe_table " + file}) {
-    const ProgramRun run = generate(arguments);
+    const ProgramRun run = run_script("generate.py", arguments);
     EXPECT_EQ(run.exit_code, 2) << run.output;
     EXPECT_EQ(std::count(run.output.begin(), run.output.end(), '\n'), 1) << run.output;
   }
