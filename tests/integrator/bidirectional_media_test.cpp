@@ -24,6 +24,7 @@ TEST(BidirectionalMedia, BoxOfSmokeUnderASky) {
 }
 
 /// Endless smoke: no light walk starts at infinity, and the weights know it. White smoke under a white sky cannot be seen.
+/// Caught: such walks started.
 TEST(BidirectionalMedia, EndlessSmokeUnderAWhiteSky) {
   FoggyBuilder builder;
   builder.media = {even_smoke({-1, -1, -1}, {1, 1, 1}, 2, 1, 0.7)};

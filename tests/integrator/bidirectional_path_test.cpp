@@ -39,6 +39,24 @@ TEST(BidirectionalPath, ClosedFurnace) {
   }
 }
 
+/// The same in float, whatever the scale of the scene. 2e-5: float.
+TEST(BidirectionalPath, ClosedFurnaceInFloatAtAnyScale) {
+  for (const float scale : {1e-3F, 1.0F, 1e4F}) {
+    SceneBuilder<Bvh<float>, Lambertian<float>> builder;
+    builder.emit(builder.sphere({Vec3<float>(0), scale, true}, {Rgb<float>(0.8F)}), Rgb<float>(1));
+    const auto scene = builder.build();
+    const auto camera = look_at<float>(Vec3<float>(0.3F, 0.2F, 0.1F) * scale, {scale, 0, 0}, 60, 8);
+    RunningMoments mean;
+    for (unsigned run = 0; run < 16; ++run) {
+      const BidirectionalFilm film = render_bidirectional(scene, camera, 8, run);
+      EXPECT_EQ(film.statistics.invalid, 0U);
+      mean.add(film.mean());
+    }
+    EXPECT_LE(std::abs(mean.mean() - 5), student_limit(sidak_level(1e-3, 3), 15) * mean.standard_error() + 2e-5 * 5);
+    EXPECT_LT(mean.standard_error(), 0.05);
+  }
+}
+
 /// Reference sheet 7.1: L = rho I / pi H / (H^2 + d^2)^(3/2) at d = 1; found by the drawn light and by the lens alone.
 TEST(BidirectionalPath, PointLightOverAPlane) {
   SceneBuilder<Bvh<S>, Lambertian<S>> builder;
@@ -81,6 +99,30 @@ TEST(BidirectionalPath, EachStrategyAloneEqualsPathTracing) {
     EXPECT_LT(c.weighted_of_length[n].standard_error(), 0.01 * c.weighted_of_length[n].mean());
   }
   EXPECT_LT(std::abs(z_between(c.bidirectional, c.path)), limit);
+}
+
+/// Shading normals that lean over: light walks correct for them, so that every strategy alone still makes the same image.
+/// Caught: light walks without the correction.
+TEST(BidirectionalPath, LeaningNormals) {
+  BallBuilder builder;
+  auto floor = parallelogram<S>({0, 0, -0.5}, {2, 0, 0}, {0, 2, 0});
+  auto wall = parallelogram<S>({0, 1.5, 0.5}, {1.5, 0, 0}, {0, 0, 1});
+  for (auto& normal : floor.normals) normal = glm::normalize(normal + V(0.5, 0.3, 0));
+  wall.normals[0] = wall.normals[2] = glm::normalize(wall.normals[0] + V(-0.6, 0, 0.2));
+  builder.mesh(floor, matte(0.7));
+  builder.mesh(wall, gloss());
+  builder.emit(builder.mesh(parallelogram<S>({-0.4, -0.2, 1}, {0, 0.4, 0}, {0.4, 0, 0}), matte(0)), Rgb<S>(5));
+  const Comparison c = compare_with_path(builder.build(), floor_camera(0), 64, 64, 3);
+  const double limit = c.limit(8);
+  for (unsigned n = 2; n <= 3; ++n) {
+    EXPECT_LT(std::abs(z_between(c.weighted_of_length[n], c.path_of_length[n])), limit) << n << " segments";
+    for (unsigned s = 0; s <= n; ++s) {
+      EXPECT_LT(std::abs(z_between(c.unweighted[n][s], c.path_of_length[n])), limit)
+          << "s = " << s << ", " << n << " segments: " << c.unweighted[n][s].mean() << " for "
+          << c.path_of_length[n].mean();
+      EXPECT_LT(c.unweighted[n][s].standard_error(), 0.2 * c.path_of_length[n].mean());
+    }
+  }
 }
 
 TEST(BidirectionalPath, Sky) {
