@@ -69,7 +69,7 @@ std::array<RunningMoments, 3> image_means(const Furnace& scene, const ProbeCamer
          detail::trace_light_paths(scene, max_edges, sampler, SerialExecutor{}, 0, side.lights.path_count)) {
       side.lights.vpls.insert(side.lights.vpls.end(), batch.vpls.begin(), batch.vpls.end());
     }
-    detail::normalise(side.lights, 0);
+    detail::normalise(side.lights, 0, 1);
     const LightTree<Furnace> tree(side.lights.vpls, SerialExecutor{});
     config.eye_paths = 1;  // without recursion all are alike
     const auto pairs = render_all_pairs(scene, camera, filter, config, standard, side, sampler, SerialExecutor{});
