@@ -7,9 +7,11 @@
 
 #include <cstdint>
 #include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
+#include "manylight/scene/concepts.hpp"
 #include "manylight/scene/scene.hpp"
 
 namespace manylight {
