@@ -57,8 +57,6 @@ INSTANTIATE_TEST_SUITE_P(
         ZCase{"test_surf_area_light", "participating_media", "test_surf_area_light_volpath.xml"},
         ZCase{"test_homo_null_envmap", "participating_media", "test_homo_null_envmap_volpath.xml"},
         ZCase{"test_homo_dielectric_envmap", "participating_media", "test_homo_dielectric_envmap_volpath.xml"},
-        ZCase{"test_homo_area_light", "participating_media", "test_homo_area_light_volpath.xml"},
-        ZCase{"test_homo_obj_inside_medium", "participating_media", "test_homo_obj_inside_medium_volpath.xml"},
         ZCase{"test_hetero_sigmat", "participating_media", "test_hetero_sigmat_volpath.xml"},
         ZCase{"test_hetero_spectral_sigmat_no_scattering", "participating_media",
               "test_hetero_spectral_sigmat_no_scattering_volpath.xml"}),

@@ -136,8 +136,10 @@ void PathIntegrator<Scene>::trace(const Ray<S>& ray, Stream& stream, RayCounts& 
     visitor.arrive(point.position);
     const Vec3<S> wo = -walk.ray.direction;
     visitor.emission(walk.beta * emission(point, wo, bounce), point, wo);
-    if (edges == config_.max_edges) break;
+    const bool is_last = edges == config_.max_edges;
+    if (is_last && !config_.straight_is_free) break;
     const auto hit = scene_.interaction(point, wo, walk.medium);
+    if (is_last && !is_delta(hit)) break;
     if constexpr (Scene::k_has_subsurface) {
       if (const auto* below = subsurface_at(scene_, hit, wo)) {
         const Submersion<Scene> submersion(hit, *below, wo);
@@ -187,6 +189,9 @@ bool PathIntegrator<Scene>::scatter_at(const Hit& hit, WalkState<S>& walk, unsig
   if (!sample) return false;
   if (!sample->is_delta) bounce = {anchor(hit).position, sample->pdf, true};
   else bounce.is_weighted = false;
+  constexpr S k_straight = S(1) - S(16) * std::numeric_limits<S>::epsilon();  // two unit vectors, opposite but for rounding
+  const bool is_free = config_.straight_is_free && sample->is_delta && glm::dot(sample->direction, wo) < -k_straight;
+  if (edges == config_.max_edges && !is_free) return false;
   visitor.leave(hit, wo, *sample);
   continue_walk(scene_, walk, hit, *sample);
   if (edges + 1 >= config_.roulette_edges) {
@@ -196,8 +201,7 @@ bool PathIntegrator<Scene>::scatter_at(const Hit& hit, WalkState<S>& walk, unsig
     if (!(stream.next() < survival)) return false;
     walk.beta /= survival;
   }
-  constexpr S k_straight = S(1) - S(16) * std::numeric_limits<S>::epsilon();  // two unit vectors, opposite but for rounding
-  if (config_.straight_is_free && sample->is_delta && glm::dot(sample->direction, wo) < -k_straight) --edges;
+  if (is_free) --edges;
   return true;
 }
 
