@@ -133,7 +133,7 @@ TEST_F(ShippedScenes, KitchenHasWhatItsDocumentationPromises) {
   EXPECT_GE(voxels, std::size_t{512} * 512 * 512);
   expect_outward_normals(scene);
   const ProgramRun run = run_program(std::string(MANYLIGHT_RENDER_PROGRAM) + " '" + path("kitchen/kitchen.xml").string() +
-                                     "' -q -m bdlc --size 12x8 --vpls 2000 --eye-paths 2 -o '" + path("a.pfm").string() + "'");
+                                     "' -q -m bdlc --size 6x4 --vpls 500 --eye-paths 2 -o '" + path("a.pfm").string() + "'");
   EXPECT_EQ(run.exit_code, 0) << run.output;
 }
 
