@@ -99,7 +99,7 @@ TEST(PhaseBounds, OfHenyeyGreensteinIsTheValueAtTheNearestAngle) {
   const V known(0, 0, 1);
   const auto at = [](double angle) { return V(std::sin(angle), 0, -std::cos(angle)); };
   const double exact = phase.eval(at(0.5), known);
-  EXPECT_NEAR(AutomaticBounds{}.sup_phase(phase, Set(at(0.7), 0.2), known), exact, 1e-12 * exact);
+  EXPECT_NEAR(AutomaticBounds{}.sup_phase(phase, Set(at(0.7), 0.2), known), exact, 1e-12 * exact);  // outward rounding
   EXPECT_NEAR(AnalyticBounds{}.sup_phase(phase, known, Set(at(0.7), 0.2)), exact, 1e-12 * exact);
   EXPECT_NEAR(AutomaticBounds{}.sup_phase(phase, Set(at(0.7), 0.15), Set(known, 0.05)), exact, 1e-12 * exact);
 }

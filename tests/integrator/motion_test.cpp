@@ -38,7 +38,7 @@ MovingScene moving_scene(std::uint32_t instants, const Light& light, const Wall&
 const auto no_wall = [](double) { return V(0, 0, -3); };
 
 /// Stability case 30: a point light that moves along x, 256 instants, through a lens. L is the mean of the instants'
-/// rho I cos / (pi r^2). Caught: sensors and lights of different instants connected; lights not multiplied by their number.
+/// rho I cos / (pi r^2). Caught: sensors and lights of different instants connected.
 TEST(Motion, MovingPointLight) {
   constexpr std::uint32_t k_instants = 256;
   const auto at = [](double time) { return V(-1 + 2 * time, 0.3, 1); };
@@ -68,8 +68,9 @@ TEST(Motion, MovingPointLight) {
   }
 }
 
-/// An area light and an occluder that both move, with interreflection: all methods have the same mean, and cuts stay within
-/// their threshold of the sum over all pairs.
+/// An area light and an occluder that both move, with interreflection: all methods have the same mean, and cuts stay
+/// within their threshold of the sum over all pairs. Caught: lights divided by all paths instead of their instant's;
+/// shadow rays of the first instant.
 TEST(Motion, MethodsAgreeOnMovingLightAndOccluder) {
   std::vector<Snapshot> scenes;
   constexpr std::uint32_t k_instants = 8;

@@ -37,21 +37,21 @@ Vertex<S, M, Phase> in_medium(const Phase& phase, const V& position, const V& w)
 }
 
 /// Light goes straight on: from behind the sensor as seen from the eye, and out of the light opposite to where it came
-/// from. Caught: either direction turned round.
+/// from. Caught: the light's turned round.
 TEST(MediumVertex, ForwardScatteringGoesStraightOn) {
   const HenyeyGreenstein<S> phase{0.8};
   const S peak = phase.eval({0, 0, 1}, {0, 0, -1});
-  ASSERT_NEAR(peak, 1.8 / (4 * k_pi<S> * 0.04), 1e-9);
+  ASSERT_NEAR(peak, 1.8 / (4 * k_pi<S> * 0.04), 1e-9);  // rounding of 0.04 = (1 - g)^2, here and below
   // Eye at -z, sensor at 0, light at z = 2 which was lit from z = 5.
   const auto pair = connect(in_medium(phase, {0, 0, 0}, {0, 0, -1}), in_medium(phase, {0, 0, 2}, {0, 0, 1}), S(1));
   EXPECT_NEAR(pair.m.x, peak, 1e-9);
   EXPECT_NEAR(pair.d.x, peak, 1e-9);
   EXPECT_NEAR(pair.sensor_d, peak, 1e-9);
-  EXPECT_NEAR(pair.t, 0.25, 1e-12);
+  EXPECT_NEAR(pair.t, 0.25, 1e-12);  // a few roundings, here and below
 }
 
-/// sigma_s(wo) M = sigma_s(wi) D of one event: s is what both subpaths see [theory 1.4, 2.1]. Caught: the projected area of
-/// the wrong direction.
+/// sigma_s(wo) M = sigma_s(wi) D of one event: s is what both subpaths see [theory 1.4, 2.1]. Caught: the
+/// sensor's patterns exchanged.
 TEST(MediumVertex, FibersScatterTheSameBothWays) {
   const GaussianFiberTable<S> table(0.3);
   const GaussianFiber<S> phase(table, glm::normalize(V(0.2, 0.5, 0.8)));
@@ -72,6 +72,7 @@ TEST(MediumVertex, FibersScatterTheSameBothWays) {
 }
 
 /// Inner vertices of one object see each other through it, T = pi g(d); of no other object, and no outer vertex.
+/// Caught: one channel for all objects.
 TEST(SubsurfaceVertex, ConnectsWithinItsObjectAlone) {
   Subsurface<ExponentialFalloff<S>> jade;
   jade.falloff = ExponentialFalloff<S>(Rgb<S>(0.5, 1, 2));

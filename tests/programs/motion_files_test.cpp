@@ -41,7 +41,6 @@ class MotionFiles : public test::ScratchTest {
   }
 };
 
-/// Caught: the ids of moving shapes left in file order; time not scaled between key frames.
 TEST_F(MotionFiles, ShapesGlideBetweenKeyFrames) {
   const SceneDescription scene = load(scene_of(
       "<shape type=\"sphere\" id=\"ball\">" + k_glide + "</shape><shape type=\"cube\" id=\"box\">" +

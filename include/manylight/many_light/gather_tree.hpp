@@ -4,6 +4,7 @@
 // The gather tree of multidimensional lightcuts [Walter 2006, section 4.2]: clusters of one pixel's sensors. A node bounds
 // the weighted pattern w M of its sensors over directions, without looking at its members.
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <map>
@@ -117,10 +118,9 @@ void GatherTree<Scene, W>::build(const std::vector<Sensor<Scene, W>>& sensors, c
     return ClusterItem<S>{v.position, axis, luminance(v.strength), id};
   };
   if constexpr (!VertexOf<Scene>::k_has_channels) {
-    std::vector<ClusterItem<S>>& all = group_;
-    all.clear();
-    for (std::uint32_t i = 0; i < sensors.size(); ++i) all.push_back(item(sensors[i], i));
-    append_tree(all, weighting, bounds);
+    group_.clear();
+    for (std::uint32_t i = 0; i < sensors.size(); ++i) group_.push_back(item(sensors[i], i));
+    append_tree(group_, weighting, bounds);
   } else {
     std::map<std::uint64_t, std::vector<ClusterItem<S>>> groups;
     for (std::uint32_t i = 0; i < sensors.size(); ++i) {

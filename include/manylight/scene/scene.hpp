@@ -109,9 +109,9 @@ class Scene {
 };
 
 template <class G, class Shader, class Media, class Motion>
-Scene<G, Shader, Media, Motion>::Scene(G geometry, std::vector<Shader> shaders, std::vector<std::uint32_t> shader_of_shape,
-                        EmitterList<Scalar> emitters, Media media,
-                        const std::optional<Box<Scalar>>& world)
+Scene<G, Shader, Media, Motion>::Scene(G geometry, std::vector<Shader> shaders,
+                                       std::vector<std::uint32_t> shader_of_shape, EmitterList<Scalar> emitters,
+                                       Media media, const std::optional<Box<Scalar>>& world)
     : geometry_(std::move(geometry)),
       shaders_(std::move(shaders)),
       shader_of_shape_(std::move(shader_of_shape)),
@@ -135,8 +135,8 @@ Scene<G, Shader, Media, Motion>::Scene(G geometry, std::vector<Shader> shaders, 
 
 template <class G, class Shader, class Media, class Motion>
 template <SampleStream Stream>
-std::optional<SurfacePoint<typename G::Scalar>> Scene<G, Shader, Media, Motion>::intersect(Ray<Scalar> ray, Stream& stream,
-                                                                             RayCounts& rays) const {
+std::optional<SurfacePoint<typename G::Scalar>> Scene<G, Shader, Media, Motion>::intersect(
+    Ray<Scalar> ray, Stream& stream, RayCounts& rays) const {
   for (;;) {
     ++rays.closest;
     const std::optional<Hit<Scalar>> hit = geometry_.closest_hit(ray);
@@ -182,7 +182,7 @@ auto Scene<G, Shader, Media, Motion>::visibility(const ShadowRay& ray, RayCounts
 
 template <class G, class Shader, class Media, class Motion>
 void Scene<G, Shader, Media, Motion>::visibility(std::span<const ShadowRay> segments, std::span<Passed> passed,
-                                         RayCounts& rays) const {
+                                                 RayCounts& rays) const {
   MANYLIGHT_ASSERT(segments.size() == passed.size());
   rays.shadow += segments.size();
   if constexpr (k_has_media) {
@@ -222,7 +222,7 @@ typename G::Scalar Scene<G, Shader, Media, Motion>::transparency_of_blocked([[ma
 
 template <class G, class Shader, class Media, class Motion>
 Ray<typename G::Scalar> Scene<G, Shader, Media, Motion>::beyond(const Ray<Scalar>& ray,
-                                                        const SurfacePoint<Scalar>& point) noexcept {
+                                                                const SurfacePoint<Scalar>& point) noexcept {
   Ray<Scalar> rest = ray;
   rest.origin = offset_origin(point.position, point.error, point.ng, ray.direction);
   const Scalar travelled =
