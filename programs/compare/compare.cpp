@@ -142,7 +142,7 @@ Report compare(const Options& o) {
   return report;
 }
 
-constexpr const char* k_channel_names[3] = {"X", "Y", "Z"};
+constexpr const char* k_xyz_names[3] = {"X", "Y", "Z"};
 
 void print_json(const Report& report, std::ostream& out) {
   const metrics::Metrics& m = report.metrics;
@@ -163,7 +163,7 @@ void print_json(const Report& report, std::ostream& out) {
                       {"pixel_level", z.level},
                       {"worst_z", z.worst_z},
                       {"worst_pixel", {z.worst_x, z.worst_y}},
-                      {"worst_channel", k_channel_names[z.worst_channel]}};
+                      {"worst_channel", k_xyz_names[z.worst_channel]}};
   }
   out << json.dump(2) << '\n';
 }
@@ -182,7 +182,7 @@ void print_text(const Report& report, std::ostream& out) {
   out << fmt::format("z-test                  {}: {} of {} pixel-channels fail, {} may; ",
                      z.passes ? "passed" : "FAILED", z.failures, z.tests, z.allowed)
       << fmt::format("worst |z| {:.3g} at ({}, {}) {}\n", z.worst_z, z.worst_x, z.worst_y,
-                     k_channel_names[z.worst_channel]);
+                     k_xyz_names[z.worst_channel]);
 }
 
 }  // namespace

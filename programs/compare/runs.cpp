@@ -10,7 +10,7 @@ namespace manylight::compare {
 
 namespace {
 
-constexpr const char* k_channel_names[3] = {"R", "G", "B"};
+constexpr const char* k_rgb_names[3] = {"R", "G", "B"};
 
 nlohmann::ordered_json to_json(const metrics::Estimate& e) {
   return {{"value", e.value}, {"standard_error", e.standard_error}};
@@ -51,7 +51,7 @@ void print_json(const RunsReport& report, std::ostream& out) {
                       {"worst_p", t.worst_p},
                       {"worst_t", t.worst_t},
                       {"worst_pixel", {t.worst_x, t.worst_y}},
-                      {"worst_channel", k_channel_names[t.worst_channel]}};
+                      {"worst_channel", k_rgb_names[t.worst_channel]}};
   }
   out << json.dump(2) << '\n';
 }
@@ -72,7 +72,7 @@ void print_text(const RunsReport& report, std::ostream& out) {
   out << fmt::format("{:<24}{}: {} of {} block-channels fail at level {:.3g}; ", "t-test",
                      t.passes ? "passed" : "FAILED", t.failures, t.tests, t.level)
       << fmt::format("worst t {:+.3g}, p {:.2g} at ({}, {}) {}\n", t.worst_t, t.worst_p, t.worst_x, t.worst_y,
-                     k_channel_names[t.worst_channel]);
+                     k_rgb_names[t.worst_channel]);
 }
 
 }  // namespace manylight::compare

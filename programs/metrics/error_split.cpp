@@ -12,7 +12,6 @@ namespace manylight::metrics {
 
 namespace {
 
-constexpr double k_infinity = std::numeric_limits<double>::infinity();
 constexpr std::size_t k_none = std::numeric_limits<std::size_t>::max();
 
 /// Inner products of runs and batches after the reference's mean is taken off, which keeps them small.

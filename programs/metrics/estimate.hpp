@@ -2,11 +2,14 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
 #include <vector>
 
 #include "metrics/metrics.hpp"
 
 namespace manylight::metrics {
+
+inline constexpr double k_infinity = std::numeric_limits<double>::infinity();
 
 /// A value with its standard error, which is infinite where the data are too few to tell.
 struct Estimate {

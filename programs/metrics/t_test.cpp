@@ -3,13 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace manylight::metrics {
 
 namespace {
 
-constexpr double k_infinity = std::numeric_limits<double>::infinity();
 constexpr double k_no_noise_tolerance = 1e-6;  // relative: some roundings of float
 
 /// The continued fraction of I_x(a, b) / (x^a (1 - x)^b / (a B(a, b))) by Lentz's method; quick for x < (a + 1) / (a +

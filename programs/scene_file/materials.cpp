@@ -21,7 +21,7 @@ const char* const k_supported =
     "roughplastic, dielectric, thindielectric, roughdielectric, null, mask, twosided, bumpmap, normalmap, "
     "blendbsdf and mixturebsdf";
 
-MaterialDescription parse(Context& context, const Element& element);
+MaterialDescription parse_material(Context& context, const Element& element);
 
 /// Index of refraction: a number or the name of a substance.
 float take_ior(Properties& p, const char* name, double otherwise) {
@@ -130,7 +130,7 @@ const Element& nested_bsdf(Properties& p) {
 MaterialDescription parse_two_sided(Context& context, Properties& p) {
   const auto nested = p.take_all("bsdf");
   if (nested.empty() || nested.size() > 2) fail(p.element(), "needs one or two nested <bsdf>");
-  MaterialDescription front = parse(context, *nested[0]->element);
+  MaterialDescription front = parse_material(context, *nested[0]->element);
   if (nested.size() == 1) {
     front.is_two_sided = true;
     return front;
@@ -138,12 +138,12 @@ MaterialDescription parse_two_sided(Context& context, Properties& p) {
   MaterialDescription both;
   both.kind = MaterialKind::two_faces;
   both.is_two_sided = true;
-  both.nested = {std::move(front), parse(context, *nested[1]->element)};
+  both.nested = {std::move(front), parse_material(context, *nested[1]->element)};
   return both;
 }
 
 MaterialDescription parse_mask(Context& context, Properties& p) {
-  MaterialDescription m = parse(context, nested_bsdf(p));
+  MaterialDescription m = parse_material(context, nested_bsdf(p));
   const auto opacity = take_texture(context, p, "opacity", SpectrumRole::parameter, 1.0);
   if (m.opacity) fail(p.element(), "a mask inside a mask is not supported");
   m.opacity = opacity.value_or(Texture<float>(0.5F));
@@ -151,7 +151,7 @@ MaterialDescription parse_mask(Context& context, Properties& p) {
 }
 
 MaterialDescription parse_relief(Context& context, Properties& p, Relief relief) {
-  MaterialDescription m = parse(context, nested_bsdf(p));
+  MaterialDescription m = parse_material(context, nested_bsdf(p));
   if (m.relief != Relief::none) fail(p.element(), "a bump or normal map inside another is not supported");
   const auto textures = p.take_all("texture");
   if (textures.size() != 1) fail(p.element(), "needs exactly one nested <texture>");
@@ -167,7 +167,7 @@ MaterialDescription parse_relief(Context& context, Properties& p, Relief relief)
 MaterialDescription parse_mix(Context& context, Properties& p, bool is_blend) {
   MaterialDescription m;
   m.kind = is_blend ? MaterialKind::blend : MaterialKind::mixture;
-  for (const Properties::Item* item : p.take_all("bsdf")) m.nested.push_back(parse(context, *item->element));
+  for (const Properties::Item* item : p.take_all("bsdf")) m.nested.push_back(parse_material(context, *item->element));
   if (is_blend) {
     m.weights.push_back(
         take_texture(context, p, "weight", SpectrumRole::parameter, 1.0).value_or(Texture<float>(0.5F)));
@@ -257,7 +257,7 @@ void parse_plain(Context& context, Properties& p, const std::string& type, Mater
   }
 }
 
-MaterialDescription parse(Context& context, const Element& element) {
+MaterialDescription parse_material(Context& context, const Element& element) {
   if (element.tag != "bsdf") fail(element, "wrong kind of element, expected <bsdf>");
   if (++context.parsed_materials > k_max_materials) fail(element, "too many nested materials");
   const std::string& type = element.get("type");
@@ -298,7 +298,7 @@ MaterialDescription parse(Context& context, const Element& element) {
 std::uint32_t material_index(Context& context, const Element& element) {
   const auto found = context.material_of.find(&element);
   if (found != context.material_of.end()) return found->second;
-  MaterialDescription material = parse(context, element);
+  MaterialDescription material = parse_material(context, element);
   const auto index = static_cast<std::uint32_t>(context.scene.materials.size());
   context.scene.materials.push_back(std::move(material));
   context.material_of[&element] = index;

@@ -124,7 +124,7 @@ void parse_heterogeneous(Context& context, Properties& p, MediumDescription& d) 
   if (context.document.major_version >= 2) d.box = density->placement.to_world;
 }
 
-MediumDescription parse(Context& context, const Element& element) {
+MediumDescription parse_medium(Context& context, const Element& element) {
   MediumDescription d;
   d.name = element.has("id") ? element.get("id") : element.describe();
   const std::string& type = element.get("type");
@@ -177,7 +177,7 @@ MediumId medium_id(Context& context, const Element& element) {
   if (found != context.medium_of.end()) return found->second;
   std::vector<MediumDescription>& media = context.scene.media;
   if (media.size() >= std::numeric_limits<MediumId>::max()) fail(element, "is one medium too many, allowed: 65535");
-  media.push_back(parse(context, element));
+  media.push_back(parse_medium(context, element));
   return context.medium_of[&element] = static_cast<MediumId>(media.size());
 }
 

@@ -10,7 +10,7 @@
 #include "manylight/scattering/rough_dielectric.hpp"
 #include "scattering/material_list.hpp"
 
-namespace manylight {
+namespace manylight::analytic_test {
 namespace {
 
 using Set = DirectionSet<double>;
@@ -65,4 +65,4 @@ TEST(Bounds, NothingComesThroughOpaqueMaterials) {
 }
 
 }  // namespace
-}  // namespace manylight
+}  // namespace manylight::analytic_test

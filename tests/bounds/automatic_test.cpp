@@ -17,7 +17,7 @@
 #include "manylight/core/frame.hpp"
 #include "scattering/material_list.hpp"
 
-namespace manylight {
+namespace manylight::automatic_test {
 using Bounds = AutomaticBounds;  // the tests are named after it
 namespace {
 
@@ -372,4 +372,4 @@ TYPED_TEST(AutomaticBounds, VectorsKeepTheirValuesToTheBit) {
 }
 
 }  // namespace
-}  // namespace manylight
+}  // namespace manylight::automatic_test

@@ -12,7 +12,7 @@
 #include "manylight/scattering/lambertian.hpp"
 #include "manylight/scattering/phong.hpp"
 
-namespace manylight {
+namespace manylight::cube_map_test {
 namespace {
 
 template <class S>
@@ -147,4 +147,4 @@ TYPED_TEST(CubeMaps, TightenWithTheirSize) {
 }
 
 }  // namespace
-}  // namespace manylight
+}  // namespace manylight::cube_map_test

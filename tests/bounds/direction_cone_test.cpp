@@ -12,7 +12,7 @@
 #include "manylight/core/direction_cone.hpp"
 #include "support/wide_directions.hpp"
 
-namespace manylight {
+namespace manylight::direction_cone_test {
 namespace {
 
 using test::Wide;
@@ -301,4 +301,4 @@ TYPED_TEST(Boxes, CoincidentPointsGiveDistanceZeroAndAllDirections) {
 }
 
 }  // namespace
-}  // namespace manylight
+}  // namespace manylight::direction_cone_test

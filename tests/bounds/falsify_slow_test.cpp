@@ -4,7 +4,7 @@
 #include "bounds/no_violation.hpp"
 #include "manylight/bounds/analytic.hpp"
 
-namespace manylight {
+namespace manylight::falsify_slow_test {
 namespace {
 
 TEST(ThoroughFalsify, AutomaticBoundsInFloat) {
@@ -18,4 +18,4 @@ TEST(ThoroughFalsify, AnalyticBoundsInFloat) {
 }
 
 }  // namespace
-}  // namespace manylight
+}  // namespace manylight::falsify_slow_test

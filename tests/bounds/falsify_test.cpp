@@ -13,7 +13,7 @@
 #include "bounds/no_violation.hpp"
 #include "manylight/bounds/analytic.hpp"
 
-namespace manylight {
+namespace manylight::falsify_test {
 namespace {
 
 /// A bound 1 % too low.
@@ -70,4 +70,4 @@ TEST(Falsify, ABoundLoweredByOnePercentIsRefuted) {
 }
 
 }  // namespace
-}  // namespace manylight
+}  // namespace manylight::falsify_test

@@ -4,7 +4,7 @@
 
 #include "bounds/phase_no_violation.hpp"
 
-namespace manylight {
+namespace manylight::phase_bounds_slow_test {
 namespace {
 
 TEST(PhaseBoundsThorough, NoBoundIsRefuted) {
@@ -13,4 +13,4 @@ TEST(PhaseBoundsThorough, NoBoundIsRefuted) {
 }
 
 }  // namespace
-}  // namespace manylight
+}  // namespace manylight::phase_bounds_slow_test

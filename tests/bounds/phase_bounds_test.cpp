@@ -7,7 +7,7 @@
 
 #include "bounds/phase_no_violation.hpp"
 
-namespace manylight {
+namespace manylight::phase_bounds_test {
 
 /// A phase function as a beginner writes it: of vectors alone.
 struct PlainPhase {
@@ -26,14 +26,18 @@ struct WithMember : PlainPhase {
   }
 };
 struct Foreign : PlainPhase {};
+
+}  // namespace manylight::phase_bounds_test
+
 template <>
-struct PhaseBound<Foreign> {
+struct manylight::PhaseBound<manylight::phase_bounds_test::Foreign> {
   template <class W, class V>
-  static double sup_eval(const Foreign&, const W&, const V&) noexcept {
+  static double sup_eval(const manylight::phase_bounds_test::Foreign&, const W&, const V&) noexcept {
     return 0.75;
   }
 };
 
+namespace manylight::phase_bounds_test {
 namespace {
 
 using Set = DirectionSet<double>;
@@ -137,4 +141,4 @@ TEST(PhaseBounds, RangesHoldTheValues) {
 }
 
 }  // namespace
-}  // namespace manylight
+}  // namespace manylight::phase_bounds_test

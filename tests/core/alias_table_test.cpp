@@ -10,7 +10,7 @@
 #include "manylight/core/sampler.hpp"
 #include "support/chi_square.hpp"
 
-namespace manylight::test {
+namespace manylight::test::alias_table_test {
 namespace {
 
 constexpr double k_level = 1e-4;  // false alarm of each chi-square, fixed seeds
@@ -113,4 +113,4 @@ TEST(AliasTable, RejectsBadWeightsByName) {
 }
 
 }  // namespace
-}  // namespace manylight::test
+}  // namespace manylight::test::alias_table_test

@@ -12,7 +12,7 @@
 #include "manylight/core/spectrum.hpp"
 #include "manylight/core/warp.hpp"
 
-namespace manylight {
+namespace manylight::basics_test {
 namespace {
 
 template <class S>
@@ -128,4 +128,4 @@ TEST(Errors, NameElementValueAndRangeInOneLine) {
 }
 
 }  // namespace
-}  // namespace manylight
+}  // namespace manylight::basics_test

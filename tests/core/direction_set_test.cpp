@@ -10,7 +10,7 @@
 
 #include "support/wide_directions.hpp"
 
-namespace manylight {
+namespace manylight::direction_set_test {
 namespace {
 
 using test::Wide;
@@ -120,4 +120,4 @@ TYPED_TEST(DirectionSets, AreTight) {
 }
 
 }  // namespace
-}  // namespace manylight
+}  // namespace manylight::direction_set_test

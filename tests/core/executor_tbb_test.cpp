@@ -7,7 +7,7 @@
 
 #include "manylight/core/tbb_executor.hpp"
 
-namespace manylight {
+namespace manylight::executor_tbb_test {
 namespace {
 
 // Planted bug seen: the range started at 1.
@@ -59,4 +59,4 @@ TEST(TbbExecutor, CanBeUsedInsideATask) {
 }
 
 }  // namespace
-}  // namespace manylight
+}  // namespace manylight::executor_tbb_test

@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <vector>
 
-namespace manylight {
+namespace manylight::executor_test {
 namespace {
 
 TEST(SerialExecutor, CallsEveryIndexOnceInOrder) {
@@ -28,4 +28,4 @@ TEST(SerialExecutor, PassesExceptionsOn) {
 }
 
 }  // namespace
-}  // namespace manylight
+}  // namespace manylight::executor_test

@@ -9,7 +9,7 @@
 #include <numeric>
 #include <utility>
 
-namespace manylight {
+namespace manylight::huge_pages_test {
 namespace {
 
 // Growth from plain memory to aligned pages and back keeps the contents. Planted bug seen to fail: pages at multiples
@@ -35,4 +35,4 @@ TEST(HugePages, RefusesWhatCannotBe) {
 }
 
 }  // namespace
-}  // namespace manylight
+}  // namespace manylight::huge_pages_test

@@ -13,7 +13,7 @@
 
 #include "manylight/core/interval_math.hpp"
 
-namespace manylight {
+namespace manylight::interval_test {
 namespace {
 
 using Wide = long double;
@@ -326,4 +326,4 @@ TYPED_TEST(Intervals, SelectAndWhenJoinBothSides) {
 }
 
 }  // namespace
-}  // namespace manylight
+}  // namespace manylight::interval_test

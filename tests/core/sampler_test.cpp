@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <set>
 
-namespace manylight {
+namespace manylight::sampler_test {
 namespace {
 
 using Block = std::array<std::uint32_t, 4>;
@@ -89,4 +89,4 @@ TEST(IndependentStream, HasTheMomentsOfTheUniformDistribution) {
 }
 
 }  // namespace
-}  // namespace manylight
+}  // namespace manylight::sampler_test

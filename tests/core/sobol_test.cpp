@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace manylight {
+namespace manylight::sobol_test {
 namespace {
 
 /// Direction numbers as published: v_0 = 2^31, v_{j+1} = v_j ^ (v_j >> 1).
@@ -137,4 +137,4 @@ TEST(SobolStream, IntegratesSmoothFunctionsBetterThanIndependentVariates) {
 }
 
 }  // namespace
-}  // namespace manylight
+}  // namespace manylight::sobol_test

@@ -12,7 +12,7 @@
 #include "manylight/core/sampler.hpp"
 #include "support/chi_square.hpp"
 
-namespace manylight::test {
+namespace manylight::test::warp_test {
 namespace {
 
 template <class ToSquare>
@@ -99,4 +99,4 @@ TEST(Warp, TentFollowsItsDistributionFunction) {
 }
 
 }  // namespace
-}  // namespace manylight::test
+}  // namespace manylight::test::warp_test

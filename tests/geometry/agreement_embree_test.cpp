@@ -17,7 +17,7 @@
 #include "geometry/test_meshes.hpp"
 #include "manylight/geometry/bvh.hpp"
 
-namespace manylight::test {
+namespace manylight::test::agreement_embree_test {
 namespace {
 
 /// Rays across the box: from a random point around it to a random point in it.
@@ -114,4 +114,4 @@ TEST(Agreement, ScannedMesh) {
 }
 
 }  // namespace
-}  // namespace manylight::test
+}  // namespace manylight::test::agreement_embree_test

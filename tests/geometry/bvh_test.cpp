@@ -13,7 +13,7 @@
 
 #include "geometry/test_meshes.hpp"
 
-namespace manylight::test {
+namespace manylight::test::bvh_test {
 namespace {
 
 /// Runs tasks from the last to the first, half of them on a second thread.
@@ -97,4 +97,4 @@ TEST(Bvh, SurvivesSenselessRays) {
 }
 
 }  // namespace
-}  // namespace manylight::test
+}  // namespace manylight::test::bvh_test

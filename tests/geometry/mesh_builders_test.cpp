@@ -15,7 +15,7 @@
 #include "manylight/core/error.hpp"
 #include "manylight/geometry/surface_point.hpp"
 
-namespace manylight::test {
+namespace manylight::test::mesh_builders_test {
 namespace {
 
 using testing::HasSubstr;
@@ -186,4 +186,4 @@ TEST(SmoothNormals, SeamsInUvStaySplitAndZeroAreaIsHarmless) {
 }
 
 }  // namespace
-}  // namespace manylight::test
+}  // namespace manylight::test::mesh_builders_test

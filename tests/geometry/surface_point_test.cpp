@@ -12,7 +12,7 @@
 #include "geometry/test_meshes.hpp"
 #include "manylight/geometry/analytic_shapes.hpp"
 
-namespace manylight::test {
+namespace manylight::test::surface_point_test {
 namespace {
 
 template <class S>
@@ -142,4 +142,4 @@ TYPED_TEST(SurfacePointTest, ErrorBoundsTheTrianglePosition) {
 }
 
 }  // namespace
-}  // namespace manylight::test
+}  // namespace manylight::test::surface_point_test

@@ -8,7 +8,7 @@
 // Bidirectional path tracing through media, absorbing glass and masks, and in motion. False alarms: see
 // bidirectional_path_test.cpp.
 
-namespace manylight::test {
+namespace manylight::test::bidirectional_media_test {
 namespace {
 
 using S = double;
@@ -141,4 +141,4 @@ TEST(BidirectionalMedia, InMotion) {
 }
 
 }  // namespace
-}  // namespace manylight::test
+}  // namespace manylight::test::bidirectional_media_test

@@ -11,7 +11,7 @@
 // Weights of traced paths against the slow form. Caught: roulette in one walk's density only; the directions of the other
 // walk's density exchanged; a point light's selection left out of its walks; cosines at vertices in media.
 
-namespace manylight::test {
+namespace manylight::test::bidirectional_oracle_test {
 namespace {
 
 using S = double;
@@ -233,4 +233,4 @@ TEST(BidirectionalOracle, Fog) {
 }
 
 }  // namespace
-}  // namespace manylight::test
+}  // namespace manylight::test::bidirectional_oracle_test

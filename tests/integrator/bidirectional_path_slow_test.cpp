@@ -5,7 +5,7 @@
 
 // Bidirectional path tracing where it takes many samples. False alarms: see bidirectional_path_test.cpp.
 
-namespace manylight::test {
+namespace manylight::test::bidirectional_path_slow_test {
 namespace {
 
 using S = double;
@@ -55,4 +55,4 @@ TEST(BidirectionalPath, LightImageOfAllFilters) {
 }
 
 }  // namespace
-}  // namespace manylight::test
+}  // namespace manylight::test::bidirectional_path_slow_test

@@ -10,7 +10,7 @@
 // Bidirectional path tracing against closed solutions and against path tracing, per path length and per strategy. False alarms
 // over all seeds: 1e-3 per test (Sidak over its comparisons, 16 independent renderings each); the seeds are fixed.
 
-namespace manylight::test {
+namespace manylight::test::bidirectional_path_test {
 namespace {
 
 using S = double;
@@ -194,4 +194,4 @@ TEST(BidirectionalPath, WindowsAndRangesChangeNoBit) {
 }
 
 }  // namespace
-}  // namespace manylight::test
+}  // namespace manylight::test::bidirectional_path_test

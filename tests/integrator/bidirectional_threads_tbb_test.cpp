@@ -12,7 +12,7 @@
 #include "manylight/scattering/lambertian.hpp"
 #include "manylight/scattering/phong.hpp"
 
-namespace manylight::test {
+namespace manylight::test::bidirectional_threads_tbb_test {
 namespace {
 
 /// 1, 2 and 7 threads, each twice, give the bits of the serial executor; the film has 132 tiles, so two batches of them, and
@@ -64,4 +64,4 @@ TEST(BidirectionalThreads, ImagesAreEqualToTheBit) {
 }
 
 }  // namespace
-}  // namespace manylight::test
+}  // namespace manylight::test::bidirectional_threads_tbb_test

@@ -10,7 +10,7 @@
 #include "integrator/image_and_ledger.hpp"
 #include "integrator/room.hpp"
 
-namespace manylight::test {
+namespace manylight::test::closed_furnace_slow_test {
 namespace {
 
 using S = double;
@@ -154,4 +154,4 @@ INSTANTIATE_TEST_SUITE_P(Albedo, ClosedFurnace, ::testing::Values(0.1, 0.5, 0.9,
 });
 
 }  // namespace
-}  // namespace manylight::test
+}  // namespace manylight::test::closed_furnace_slow_test

@@ -17,7 +17,7 @@
 // Integrators against each other where no closed solution exists, and against what is known of their bias. The cores
 // are the same in float; double keeps rounding out of the comparisons.
 
-namespace manylight::test {
+namespace manylight::test::consistency_test {
 namespace {
 
 using S = double;
@@ -235,4 +235,4 @@ TEST(Consistency, DuplicateAndCollinearLights) {
 }
 
 }  // namespace
-}  // namespace manylight::test
+}  // namespace manylight::test::consistency_test

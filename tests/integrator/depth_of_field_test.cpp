@@ -9,7 +9,7 @@
 #include "manylight/geometry/bvh.hpp"
 #include "manylight/scattering/lambertian.hpp"
 
-namespace manylight::test {
+namespace manylight::test::depth_of_field_test {
 namespace {
 
 using S = double;
@@ -100,4 +100,4 @@ TEST(DepthOfField, DiscOfConfusionOfASmallEmitter) {
 }
 
 }  // namespace
-}  // namespace manylight::test
+}  // namespace manylight::test::depth_of_field_test

@@ -19,7 +19,7 @@
 #include "manylight/scattering/lambertian.hpp"
 #include "manylight/scattering/phong.hpp"
 
-namespace manylight::test {
+namespace manylight::test::film_test {
 namespace {
 
 using S = float;
@@ -200,4 +200,4 @@ TEST(Windows, PathSumsMustFitTheWindow) {
 }
 
 }  // namespace
-}  // namespace manylight::test
+}  // namespace manylight::test::film_test

@@ -10,7 +10,7 @@
 
 #include "integrator/same_lights.hpp"
 
-namespace manylight::test {
+namespace manylight::test::hand_made_lights_test {
 namespace {
 
 using S = double;
@@ -259,4 +259,4 @@ TEST(HandMadeLights, TwoGeneratorsOfOnePath) {
 }
 
 }  // namespace
-}  // namespace manylight::test
+}  // namespace manylight::test::hand_made_lights_test

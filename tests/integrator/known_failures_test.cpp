@@ -11,7 +11,7 @@
 
 #include "integrator/same_lights.hpp"
 
-namespace manylight::test {
+namespace manylight::test::known_failures_test {
 namespace {
 
 template <class S>
@@ -230,4 +230,4 @@ TEST(KnownFailures, CutGrowsSlowerThanTheRootOfEyePaths) {
 }
 
 }  // namespace
-}  // namespace manylight::test
+}  // namespace manylight::test::known_failures_test

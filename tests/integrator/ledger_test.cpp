@@ -20,7 +20,7 @@
 // z-tests: means of independent renderings, limit of Student's t at 1e-3 per test of 11 degrees of freedom or more; the
 // seeds are fixed. Planted bugs that these tests were seen to catch are named beside them.
 
-namespace manylight::test {
+namespace manylight::test::ledger_test {
 namespace {
 
 using S = double;
@@ -321,4 +321,4 @@ TEST(Ledger, RejectsWhatCannotBeEstimated) {
 }
 
 }  // namespace
-}  // namespace manylight::test
+}  // namespace manylight::test::ledger_test

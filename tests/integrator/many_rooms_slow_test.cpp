@@ -7,7 +7,7 @@
 
 #include "integrator/same_lights.hpp"
 
-namespace manylight::test {
+namespace manylight::test::many_rooms_slow_test {
 namespace {
 
 using S = float;
@@ -165,4 +165,4 @@ TEST(ManyRooms, CeilingOfAMillionTexturedTriangles) {
 }
 
 }  // namespace
-}  // namespace manylight::test
+}  // namespace manylight::test::many_rooms_slow_test

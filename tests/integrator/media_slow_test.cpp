@@ -9,7 +9,7 @@
 
 // Participating media: what bidirectional lightcuts leave out. False alarms: 1e-3 per comparison.
 
-namespace manylight::test {
+namespace manylight::test::media_slow_test {
 namespace {
 
 using S = double;
@@ -80,4 +80,4 @@ TEST(Media, DenseForwardFog) {
 }
 
 }  // namespace
-}  // namespace manylight::test
+}  // namespace manylight::test::media_slow_test

@@ -7,7 +7,7 @@
 
 // Participating media through every integrator. False alarms: `agrees` 2e-4 per comparison.
 
-namespace manylight::test {
+namespace manylight::test::media_test {
 namespace {
 
 using S = double;
@@ -168,4 +168,4 @@ TEST(Media, SameMediaBySeveralMeans) {
 }
 
 }  // namespace
-}  // namespace manylight::test
+}  // namespace manylight::test::media_test

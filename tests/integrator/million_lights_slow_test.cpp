@@ -9,7 +9,7 @@
 #include "manylight/geometry/bvh.hpp"
 #include "manylight/scattering/lambertian.hpp"
 
-namespace manylight::test {
+namespace manylight::test::million_lights_slow_test {
 namespace {
 
 /// Stability case 23: a million lights at one point, or on a line, build a tree without recursion, below the depth at which
@@ -43,4 +43,4 @@ TEST(MillionLights, TreesOverDuplicatesAndLines) {
 }
 
 }  // namespace
-}  // namespace manylight::test
+}  // namespace manylight::test::million_lights_slow_test

@@ -11,7 +11,7 @@
 
 #include "integrator/textured_scene.hpp"
 
-namespace manylight::test {
+namespace manylight::test::mixed_lights_test {
 namespace {
 
 using S = double;
@@ -121,4 +121,4 @@ TEST(MixedLights, ErrorsAtTwoPercent) {
 }
 
 }  // namespace
-}  // namespace manylight::test
+}  // namespace manylight::test::mixed_lights_test

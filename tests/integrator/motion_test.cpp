@@ -8,7 +8,7 @@
 
 // Scenes in motion, as the mean over their instants. False alarms: `agrees` 2e-4 per comparison.
 
-namespace manylight::test {
+namespace manylight::test::motion_test {
 namespace {
 
 using S = double;
@@ -151,4 +151,4 @@ TEST(Motion, RejectsInstantsThatDoNotFit) {
 }
 
 }  // namespace
-}  // namespace manylight::test
+}  // namespace manylight::test::motion_test

@@ -7,7 +7,7 @@
 
 #include "integrator/textured_scene.hpp"
 
-namespace manylight::test {
+namespace manylight::test::random_scenes_slow_test {
 namespace {
 
 using S = double;
@@ -123,4 +123,4 @@ TEST(RandomScenes, ClaimedAndTrueErrors) {
 }
 
 }  // namespace
-}  // namespace manylight::test
+}  // namespace manylight::test::random_scenes_slow_test

@@ -7,7 +7,7 @@
 
 #include "integrator/same_lights.hpp"
 
-namespace manylight::test {
+namespace manylight::test::spot_lights_test {
 namespace {
 
 using S = double;
@@ -125,4 +125,4 @@ TEST(SpotLightMethods, AgreeOnBouncedLight) {
 }
 
 }  // namespace
-}  // namespace manylight::test
+}  // namespace manylight::test::spot_lights_test

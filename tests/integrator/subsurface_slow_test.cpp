@@ -7,7 +7,7 @@
 
 // Subsurface scattering: what bidirectional lightcuts leave out. False alarms: 1e-3 per comparison.
 
-namespace manylight::test {
+namespace manylight::test::subsurface_slow_test {
 namespace {
 
 using S = double;
@@ -44,4 +44,4 @@ TEST(Subsurface, LongFalloffImageAndLedger) { expect_closed_in(jade_room(0.3, 1)
 TEST(Subsurface, ShortFalloffImageAndLedger) { expect_closed_in(jade_room(0.02, 1.4).build(), 0.05); }
 
 }  // namespace
-}  // namespace manylight::test
+}  // namespace manylight::test::subsurface_slow_test

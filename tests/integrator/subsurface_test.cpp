@@ -8,7 +8,7 @@
 
 // Subsurface scattering through every integrator. False alarms: `agrees` 2e-4 per comparison.
 
-namespace manylight::test {
+namespace manylight::test::subsurface_test {
 namespace {
 
 using S = double;
@@ -73,4 +73,4 @@ TEST(Subsurface, SlabLitFromBehind) {
 }
 
 }  // namespace
-}  // namespace manylight::test
+}  // namespace manylight::test::subsurface_test

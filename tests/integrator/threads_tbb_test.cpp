@@ -11,7 +11,7 @@
 #include "manylight/scattering/lambertian.hpp"
 #include "manylight/scattering/phong.hpp"
 
-namespace manylight::test {
+namespace manylight::test::threads_tbb_test {
 namespace {
 
 /// Stability case 31: 1, 2 and 7 threads, each twice, give the bits of the serial executor. The film has 9 tiles, the
@@ -52,4 +52,4 @@ TEST(Threads, ImagesAreEqualToTheBit) {
 }
 
 }  // namespace
-}  // namespace manylight::test
+}  // namespace manylight::test::threads_tbb_test

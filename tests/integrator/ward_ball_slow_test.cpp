@@ -13,7 +13,7 @@
 #include "manylight/scattering/any_of.hpp"
 #include "manylight/scattering/ward.hpp"
 
-namespace manylight::test {
+namespace manylight::test::ward_ball_slow_test {
 namespace {
 
 using S = double;
@@ -142,4 +142,4 @@ TEST(WardBall, KeepsItsReflectionWithRecursiveSensors) {
 }
 
 }  // namespace
-}  // namespace manylight::test
+}  // namespace manylight::test::ward_ball_slow_test

@@ -13,7 +13,7 @@
 #include "support/random_vertices.hpp"
 #include "support/z_test.hpp"
 
-namespace manylight {
+namespace manylight::cut_cover_test {
 namespace {
 
 using S = double;
@@ -269,4 +269,4 @@ TEST(CutCover, RedAndBlueLightsAreRepresentedInTheMean) {
 }
 
 }  // namespace
-}  // namespace manylight
+}  // namespace manylight::cut_cover_test

@@ -15,7 +15,7 @@
 #include "support/random_vertices.hpp"
 #include "support/z_test.hpp"
 
-namespace manylight {
+namespace manylight::cut_test {
 namespace {
 
 using test::Gloss;
@@ -296,4 +296,4 @@ TEST(CutConfig, RejectsWhatIsOutOfRange) {
 }
 
 }  // namespace
-}  // namespace manylight
+}  // namespace manylight::cut_test

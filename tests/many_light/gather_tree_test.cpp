@@ -12,7 +12,7 @@
 #include "support/chi_square.hpp"
 #include "support/random_vertices.hpp"
 
-namespace manylight {
+namespace manylight::gather_tree_test {
 namespace {
 
 using test::Gloss;
@@ -169,4 +169,4 @@ TYPED_TEST(GatherTrees, RepresentativesAreDrawnByStrength) {
 }
 
 }  // namespace
-}  // namespace manylight
+}  // namespace manylight::gather_tree_test

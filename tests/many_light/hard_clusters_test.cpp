@@ -14,7 +14,7 @@
 #include "support/analytic_scenes.hpp"
 #include "support/random_vertices.hpp"
 
-namespace manylight {
+namespace manylight::hard_clusters_test {
 namespace {
 
 using S = double;
@@ -156,4 +156,4 @@ TEST(HardClusters, HighlightOfASharpLobe) {
 TEST(HardClusters, AnisotropicLobe) { lobe_is_found(AutomaticBounds{}, 0.03, 0.22, 0.0); }
 
 }  // namespace
-}  // namespace manylight
+}  // namespace manylight::hard_clusters_test

@@ -9,7 +9,7 @@
 #include "support/analytic_scenes.hpp"
 #include "support/random_vertices.hpp"
 
-namespace manylight {
+namespace manylight::light_tree_tbb_test {
 namespace {
 
 template <class S>
@@ -68,4 +68,4 @@ TEST(Executors, VplSetIsTheSame) {
 }
 
 }  // namespace
-}  // namespace manylight
+}  // namespace manylight::light_tree_tbb_test

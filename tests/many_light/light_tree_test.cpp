@@ -10,7 +10,7 @@
 #include "support/chi_square.hpp"
 #include "support/random_vertices.hpp"
 
-namespace manylight {
+namespace manylight::light_tree_test {
 namespace {
 
 using test::Gloss;
@@ -286,4 +286,4 @@ TEST(LightTree, NoLightsNoRoots) {
 }
 
 }  // namespace
-}  // namespace manylight
+}  // namespace manylight::light_tree_test

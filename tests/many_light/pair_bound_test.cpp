@@ -14,7 +14,7 @@
 #include "manylight/path/transfer.hpp"
 #include "support/random_vertices.hpp"
 
-namespace manylight {
+namespace manylight::pair_bound_test {
 namespace {
 
 using test::Gloss;
@@ -194,4 +194,4 @@ TYPED_TEST(PairBoundPacks, HoldForEveryPairOfMembers) {
 }
 
 }  // namespace
-}  // namespace manylight
+}  // namespace manylight::pair_bound_test

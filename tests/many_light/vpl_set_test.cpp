@@ -12,7 +12,7 @@
 #include "support/analytic_scenes.hpp"
 #include "support/z_test.hpp"
 
-namespace manylight {
+namespace manylight::vpl_set_test {
 namespace {
 
 template <class S>
@@ -236,4 +236,4 @@ TYPED_TEST(VplSets, LightIntoTheVoidEnds) {
 }
 
 }  // namespace
-}  // namespace manylight
+}  // namespace manylight::vpl_set_test

@@ -8,7 +8,7 @@
 #include "manylight/media/homogeneous.hpp"
 #include "media/media_support.hpp"
 
-namespace manylight::test {
+namespace manylight::test::any_medium_test {
 namespace {
 
 using Fog = Homogeneous<PlainPhase<float>>;
@@ -50,4 +50,4 @@ TEST(AnyMedium, IsTheMediumThatItHolds) {
 }
 
 }  // namespace
-}  // namespace manylight::test
+}  // namespace manylight::test::any_medium_test

@@ -11,7 +11,7 @@
 #include "manylight/media/homogeneous.hpp"
 #include "media/media_support.hpp"
 
-namespace manylight::test {
+namespace manylight::test::boxed_medium_test {
 namespace {
 
 template <std::floating_point S>
@@ -79,4 +79,4 @@ TEST(BoxedMedium, OutsideOfTheBoxIsVacuum) {
 TEST(BoxedMedium, WrongBoxesAreNamed) { EXPECT_THROW(Boxed<double>({}, Mat4<double>(0)), ParameterError); }
 
 }  // namespace
-}  // namespace manylight::test
+}  // namespace manylight::test::boxed_medium_test

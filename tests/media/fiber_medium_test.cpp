@@ -13,7 +13,7 @@
 #include "manylight/core/warp.hpp"
 #include "media/media_support.hpp"
 
-namespace manylight::test {
+namespace manylight::test::fiber_medium_test {
 namespace {
 
 template <std::floating_point S>
@@ -146,4 +146,4 @@ TEST(FiberMedium, WrongInputIsNamed) {
 }
 
 }  // namespace
-}  // namespace manylight::test
+}  // namespace manylight::test::fiber_medium_test

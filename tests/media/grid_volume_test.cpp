@@ -14,7 +14,7 @@
 #include "manylight/media/block_majorants.hpp"
 #include "media/media_support.hpp"
 
-namespace manylight::test {
+namespace manylight::test::grid_volume_test {
 namespace {
 
 using testing::HasSubstr;
@@ -305,4 +305,4 @@ TEST(GridVolume, WrongInputIsNamed) {
 }
 
 }  // namespace
-}  // namespace manylight::test
+}  // namespace manylight::test::grid_volume_test

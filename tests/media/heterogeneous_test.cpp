@@ -13,7 +13,7 @@
 #include "media/media_support.hpp"
 #include "support/chi_square.hpp"
 
-namespace manylight::test {
+namespace manylight::test::heterogeneous_test {
 namespace {
 
 template <std::floating_point S>
@@ -257,4 +257,4 @@ TEST(Heterogeneous, WrongInputIsNamed) {
 }
 
 }  // namespace
-}  // namespace manylight::test
+}  // namespace manylight::test::heterogeneous_test

@@ -11,7 +11,7 @@
 #include "media/media_support.hpp"
 #include "support/chi_square.hpp"
 
-namespace manylight::test {
+namespace manylight::test::homogeneous_test {
 namespace {
 
 template <std::floating_point S>
@@ -193,4 +193,4 @@ TEST(Homogeneous, WrongCoefficientsAreNamed) {
 }
 
 }  // namespace
-}  // namespace manylight::test
+}  // namespace manylight::test::homogeneous_test

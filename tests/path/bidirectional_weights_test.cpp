@@ -10,7 +10,7 @@
 
 // The recursive weights against their definition on paths whose densities are random numbers.
 
-namespace manylight::test {
+namespace manylight::test::bidirectional_weights_test {
 namespace {
 
 using S = double;
@@ -150,4 +150,4 @@ TEST(BidirectionalWeights, AreNumbersWhateverTheSums) {
 }
 
 }  // namespace
-}  // namespace manylight::test
+}  // namespace manylight::test::bidirectional_weights_test

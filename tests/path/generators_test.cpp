@@ -15,7 +15,7 @@
 #include "support/analytic_scenes.hpp"
 #include "support/random_vertices.hpp"
 
-namespace manylight {
+namespace manylight::generators_test {
 namespace {
 
 using S = double;
@@ -355,4 +355,4 @@ TEST(EyeSubpath, SeesEmittersAndStopsWhereNothingIsClamped) {
 }
 
 }  // namespace
-}  // namespace manylight
+}  // namespace manylight::generators_test

@@ -13,7 +13,7 @@
 
 // Vertices off surfaces: in media and below surfaces.
 
-namespace manylight {
+namespace manylight::medium_vertex_test {
 namespace {
 
 using S = double;
@@ -99,4 +99,4 @@ TEST(SubsurfaceVertex, ConnectsWithinItsObjectAlone) {
 }
 
 }  // namespace
-}  // namespace manylight
+}  // namespace manylight::medium_vertex_test

@@ -11,7 +11,7 @@
 #include "manylight/path/missing_energy.hpp"
 #include "path/weight_oracle.hpp"
 
-namespace manylight {
+namespace manylight::missing_energy_test {
 namespace {
 
 using namespace test;  // NOLINT: the oracle's own names
@@ -138,4 +138,4 @@ TEST(PathShares, ClassicalClampNamesItsOneGenerator) {
 }
 
 }  // namespace
-}  // namespace manylight
+}  // namespace manylight::missing_energy_test

@@ -10,7 +10,7 @@
 #include "path/line_shapes.hpp"
 #include "scattering/falloff_support.hpp"
 
-namespace manylight::test {
+namespace manylight::test::random_lines_embree_test {
 namespace {
 
 TEST(RandomLinesEmbree, GridsAreCrossedByTheSameLines) {
@@ -25,4 +25,4 @@ TEST(RandomLinesEmbree, GridsAreCrossedByTheSameLines) {
 TEST(RandomLinesEmbree, EdgesCountOnce) { edges_count_once<EmbreeGeometry>(false); }
 
 }  // namespace
-}  // namespace manylight::test
+}  // namespace manylight::test::random_lines_embree_test

@@ -19,7 +19,7 @@
 #include "support/chi_square.hpp"
 #include "support/z_test.hpp"
 
-namespace manylight::test {
+namespace manylight::test::random_lines_test {
 namespace {
 
 /// Mean over the channels, what lines are drawn by.
@@ -313,4 +313,4 @@ TEST(RandomLines, AreAFunctionOfTheStream) {
 }
 
 }  // namespace
-}  // namespace manylight::test
+}  // namespace manylight::test::random_lines_test

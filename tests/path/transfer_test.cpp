@@ -11,7 +11,7 @@
 #include "manylight/path/transfer.hpp"
 #include "support/random_vertices.hpp"
 
-namespace manylight {
+namespace manylight::transfer_test {
 namespace {
 
 using S = float;
@@ -72,4 +72,4 @@ TEST(Transfer, CoincidentAndNearlyCoincidentPairsAreFinite) {
 }
 
 }  // namespace
-}  // namespace manylight
+}  // namespace manylight::transfer_test

@@ -14,7 +14,7 @@
 #include "manylight/scattering/ward.hpp"
 #include "support/random_vertices.hpp"
 
-namespace manylight {
+namespace manylight::vertex_test {
 namespace {
 
 template <class S>
@@ -66,4 +66,4 @@ TEST(Vertex, NormalAloneGivesTheSamePatterns) {
 }
 
 }  // namespace
-}  // namespace manylight
+}  // namespace manylight::vertex_test

@@ -6,7 +6,7 @@
 #include "manylight/path/four_constraints.hpp"
 #include "path/weight_oracle.hpp"
 
-namespace manylight {
+namespace manylight::weighting_test {
 namespace {
 
 using namespace test;  // NOLINT: the oracle's own names
@@ -261,4 +261,4 @@ TEST(StandardWeighting, OnlyTheFirstOrdinaryVertexConnects) {
 }
 
 }  // namespace
-}  // namespace manylight
+}  // namespace manylight::weighting_test

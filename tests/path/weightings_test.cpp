@@ -10,7 +10,7 @@
 #include "manylight/path/kollig_keller.hpp"
 #include "path/weight_oracle.hpp"
 
-namespace manylight {
+namespace manylight::weightings_test {
 namespace {
 
 using namespace test;  // NOLINT: the oracle's own names
@@ -304,4 +304,4 @@ TEST(FullWeighting, FirstOrdinaryVertexTakesAll) {
 }
 
 }  // namespace
-}  // namespace manylight
+}  // namespace manylight::weightings_test

@@ -15,7 +15,7 @@
 
 #include "image_io/image_io.hpp"
 
-namespace manylight::compare {
+namespace manylight::compare::compare_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -226,4 +226,4 @@ TEST_F(Compare, BadFiles) {
 }
 
 }  // namespace
-}  // namespace manylight::compare
+}  // namespace manylight::compare::compare_test

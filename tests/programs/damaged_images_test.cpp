@@ -8,7 +8,7 @@
 #include "image_io/image_io.hpp"
 #include "programs/scratch.hpp"
 
-namespace manylight::image_io {
+namespace manylight::image_io::damaged_images_test {
 namespace {
 
 using test::bytes_of;
@@ -73,4 +73,4 @@ TEST(DamagedImages, RandomDamageIsNeverFatal) {
 }
 
 }  // namespace
-}  // namespace manylight::image_io
+}  // namespace manylight::image_io::damaged_images_test

@@ -10,7 +10,7 @@
 #include "programs/noisy_images.hpp"
 #include "support/z_test.hpp"
 
-namespace manylight::metrics {
+namespace manylight::metrics::error_split_test {
 namespace {
 
 using test::Noise;
@@ -208,4 +208,4 @@ TEST(ErrorSplit, UnusableInputIsAnError) {
 }
 
 }  // namespace
-}  // namespace manylight::metrics
+}  // namespace manylight::metrics::error_split_test

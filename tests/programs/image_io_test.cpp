@@ -20,7 +20,7 @@
 #include <string>
 #include <vector>
 
-namespace manylight::image_io {
+namespace manylight::image_io::image_io_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -248,4 +248,4 @@ TEST_F(ImageIo, AFolderIsNotReplaced) {
 }
 
 }  // namespace
-}  // namespace manylight::image_io
+}  // namespace manylight::image_io::image_io_test

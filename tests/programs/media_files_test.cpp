@@ -10,7 +10,7 @@
 #include "programs/volume_files.hpp"
 #include "scene_file/load_scene.hpp"
 
-namespace manylight::scene_file {
+namespace manylight::scene_file::media_files_test {
 namespace {
 
 using test::message_of;
@@ -331,4 +331,4 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& each) { return std::string(each.param.name); });
 
 }  // namespace
-}  // namespace manylight::scene_file
+}  // namespace manylight::scene_file::media_files_test

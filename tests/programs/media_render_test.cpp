@@ -14,7 +14,7 @@
 #include "programs/volume_files.hpp"
 #include "support/z_test.hpp"
 
-namespace manylight {
+namespace manylight::media_render_test {
 namespace {
 
 using test::floor_scene;
@@ -208,4 +208,4 @@ TEST_F(MediaRender, GridsThatWouldTakeForeverAreNamed) {
 }
 
 }  // namespace
-}  // namespace manylight
+}  // namespace manylight::media_render_test

@@ -12,7 +12,7 @@
 
 #include "programs/scratch.hpp"
 
-namespace manylight::scene_file {
+namespace manylight::scene_file::mesh_files_test {
 namespace {
 
 using test::message_of;
@@ -223,4 +223,4 @@ TEST(Gltf, ReadsMeshesMovedByTheirNodes) {
 }
 
 }  // namespace
-}  // namespace manylight::scene_file
+}  // namespace manylight::scene_file::mesh_files_test

@@ -12,7 +12,7 @@
 #include "metrics/compensated_sum.hpp"
 #include "metrics/z_test.hpp"
 
-namespace manylight::metrics {
+namespace manylight::metrics::metrics_test {
 namespace {
 
 // Values of the images are exact in float; what is left is the rounding of a few operations in double.
@@ -218,4 +218,4 @@ TEST(ZTest, UnusableInputIsAnError) {
 }
 
 }  // namespace
-}  // namespace manylight::metrics
+}  // namespace manylight::metrics::metrics_test

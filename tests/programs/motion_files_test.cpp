@@ -13,7 +13,7 @@
 #include "programs/scratch.hpp"
 #include "scene_file/load_scene.hpp"
 
-namespace manylight::scene_file {
+namespace manylight::scene_file::motion_files_test {
 namespace {
 
 using test::message_of;
@@ -156,4 +156,4 @@ TEST_F(MotionFiles, ProgramRendersInstants) {
 }
 
 }  // namespace
-}  // namespace manylight::scene_file
+}  // namespace manylight::scene_file::motion_files_test

@@ -17,7 +17,7 @@
 #include "support/chi_square.hpp"
 #include "support/z_test.hpp"
 
-namespace manylight::scene_file {
+namespace manylight::scene_file::reference_bump_test {
 namespace {
 
 /// The peer's direct light at a diffuse point with a bumped normal, one sample. From version 3.7.1 on it mirrors the bent
@@ -99,4 +99,4 @@ TEST(ReferenceBump, NormalsAreThoseOfThePeersPicture) {
 }
 
 }  // namespace
-}  // namespace manylight::scene_file
+}  // namespace manylight::scene_file::reference_bump_test

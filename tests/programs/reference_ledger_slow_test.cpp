@@ -12,7 +12,7 @@
 #include "programs/reference.hpp"
 #include "support/z_test.hpp"
 
-namespace manylight {
+namespace manylight::reference_ledger_slow_test {
 namespace {
 
 using test::RunningMoments;
@@ -114,4 +114,4 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& each) { return std::string(each.param.name); });
 
 }  // namespace
-}  // namespace manylight
+}  // namespace manylight::reference_ledger_slow_test

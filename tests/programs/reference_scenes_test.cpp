@@ -14,7 +14,7 @@
 #include "programs/scratch.hpp"
 #include "scene_file/load_scene.hpp"
 
-namespace manylight::scene_file {
+namespace manylight::scene_file::reference_scenes_test {
 namespace {
 
 using testing::HasSubstr;
@@ -174,4 +174,4 @@ TEST_F(ReferenceScenes, TexturesLieAsInThePeersPicture) {
 }
 
 }  // namespace
-}  // namespace manylight::scene_file
+}  // namespace manylight::scene_file::reference_scenes_test

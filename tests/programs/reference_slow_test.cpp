@@ -9,7 +9,7 @@
 #include "metrics/z_test.hpp"
 #include "programs/reference.hpp"
 
-namespace manylight {
+namespace manylight::reference_slow_test {
 namespace {
 
 using test::Reference;
@@ -174,4 +174,4 @@ TEST_F(Reference, EverySceneRendersWithEveryMethod) {
 }
 
 }  // namespace
-}  // namespace manylight
+}  // namespace manylight::reference_slow_test

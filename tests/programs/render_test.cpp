@@ -7,7 +7,7 @@
 #include "image_io/image_io.hpp"
 #include "programs/program_run.hpp"
 
-namespace manylight {
+namespace manylight::render_test {
 namespace {
 
 using test::floor_scene;
@@ -198,4 +198,4 @@ TEST_F(RenderProgram, TimeLimitStopsBetweenPassesWithAValidImage) {
 }
 
 }  // namespace
-}  // namespace manylight
+}  // namespace manylight::render_test

@@ -8,7 +8,7 @@
 #include "programs/program_run.hpp"
 #include "scene_file/load_scene.hpp"
 
-namespace manylight::scene_file {
+namespace manylight::scene_file::scene_file_test {
 namespace {
 
 using test::floor_scene;
@@ -256,4 +256,4 @@ TEST_F(SceneFile, SurvivesDamage) {
 }
 
 }  // namespace
-}  // namespace manylight::scene_file
+}  // namespace manylight::scene_file::scene_file_test

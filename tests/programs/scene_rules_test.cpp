@@ -9,7 +9,7 @@
 #include "programs/scratch.hpp"
 #include "scene_file/load_scene.hpp"
 
-namespace manylight::scene_file {
+namespace manylight::scene_file::scene_rules_test {
 namespace {
 
 using test::floor_scene;
@@ -234,4 +234,4 @@ TEST_F(SceneRules, SubstancesAndNullSurfaces) {
 }
 
 }  // namespace
-}  // namespace manylight::scene_file
+}  // namespace manylight::scene_file::scene_rules_test

@@ -10,7 +10,7 @@
 #include "programs/program_run.hpp"
 #include "scene_file/load_scene.hpp"
 
-namespace manylight::scene_file {
+namespace manylight::scene_file::scenes_test {
 namespace {
 
 using test::bytes_of;
@@ -157,4 +157,4 @@ TEST_F(ShippedScenes, BadCallsOfTheScriptEndInOneLine) {
 }
 
 }  // namespace
-}  // namespace manylight::scene_file
+}  // namespace manylight::scene_file::scenes_test

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace manylight::scene_file {
+namespace manylight::scene_file::spectrum_test {
 namespace {
 
 constexpr std::array<SpectrumSample, 2> k_flat{{{300.0, 1.0}, {900.0, 1.0}}};
@@ -54,4 +54,4 @@ TEST(Spectrum, ColourMatchingFollowsTheTables) {
 }
 
 }  // namespace
-}  // namespace manylight::scene_file
+}  // namespace manylight::scene_file::spectrum_test

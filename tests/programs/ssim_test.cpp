@@ -8,7 +8,7 @@
 
 #include "programs/noisy_images.hpp"
 
-namespace manylight::metrics {
+namespace manylight::metrics::ssim_test {
 namespace {
 
 using test::noisy_image;
@@ -111,4 +111,4 @@ TEST(Ssim, UnusableInputIsAnError) {
 }
 
 }  // namespace
-}  // namespace manylight::metrics
+}  // namespace manylight::metrics::ssim_test

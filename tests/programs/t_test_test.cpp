@@ -8,7 +8,7 @@
 
 #include "programs/noisy_images.hpp"
 
-namespace manylight::metrics {
+namespace manylight::metrics::t_test_test {
 namespace {
 
 using test::noisy_images;
@@ -130,4 +130,4 @@ TEST(TTest, UnusableInputIsAnError) {
 }
 
 }  // namespace
-}  // namespace manylight::metrics
+}  // namespace manylight::metrics::t_test_test

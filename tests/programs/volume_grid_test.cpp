@@ -14,7 +14,7 @@
 #include "programs/scratch.hpp"
 #include "programs/volume_files.hpp"
 
-namespace manylight::scene_file {
+namespace manylight::scene_file::volume_grid_test {
 namespace {
 
 using test::message_of;
@@ -142,4 +142,4 @@ TEST(VolumeGrid, DamagedBytesDoNoHarm) {
 }
 
 }  // namespace
-}  // namespace manylight::scene_file
+}  // namespace manylight::scene_file::volume_grid_test

@@ -11,7 +11,7 @@
 #include "manylight/scattering/metals.hpp"
 #include "support/quadrature.hpp"
 
-namespace manylight::test {
+namespace manylight::test::dielectric_test {
 namespace {
 
 constexpr double k_ulps = 1e-14;  // some ulp of values near 1
@@ -215,4 +215,4 @@ TEST(Metals, TableIsUsable) {
 }
 
 }  // namespace
-}  // namespace manylight::test
+}  // namespace manylight::test::dielectric_test

@@ -6,7 +6,7 @@
 #include "scattering/material_list.hpp"
 #include "support/quadrature.hpp"
 
-namespace manylight::test {
+namespace manylight::test::energy_test {
 namespace {
 
 constexpr std::array<double, 9> k_degrees{0, 15, 30, 45, 60, 75, 80, 85, 89};
@@ -306,4 +306,4 @@ TEST(Energy, WhiteRoughPlasticReturnsWhatEnters) {
 }
 
 }  // namespace
-}  // namespace manylight::test
+}  // namespace manylight::test::energy_test

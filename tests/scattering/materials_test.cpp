@@ -11,7 +11,7 @@
 #include "scattering/material_list.hpp"
 #include "support/quadrature.hpp"
 
-namespace manylight::test {
+namespace manylight::test::materials_test {
 namespace {
 
 template <class M>
@@ -274,4 +274,4 @@ TEST(OrenNayar, LimitsAndRetroReflection) {
 }
 
 }  // namespace
-}  // namespace manylight::test
+}  // namespace manylight::test::materials_test

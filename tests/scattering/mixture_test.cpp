@@ -9,7 +9,7 @@
 #include "support/quadrature.hpp"
 #include "support/z_test.hpp"
 
-namespace manylight::test {
+namespace manylight::test::mixture_test {
 namespace {
 
 using Diffuse = Lambertian<double>;
@@ -119,4 +119,4 @@ TEST(AnyOf, ForwardsToWhatItHolds) {
 }
 
 }  // namespace
-}  // namespace manylight::test
+}  // namespace manylight::test::mixture_test

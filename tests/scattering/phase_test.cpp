@@ -12,7 +12,7 @@
 #include "scattering/phase_list.hpp"
 #include "support/chi_square.hpp"
 
-namespace manylight::test {
+namespace manylight::test::phase_test {
 namespace {
 
 using V = Vec3<double>;
@@ -292,4 +292,4 @@ TEST(AnyPhaseFunction, IsThePhaseFunctionItHolds) {
 }
 
 }  // namespace
-}  // namespace manylight::test
+}  // namespace manylight::test::phase_test

@@ -14,7 +14,7 @@
 #include "support/chi_square.hpp"
 #include "support/jacobian.hpp"
 
-namespace manylight::test {
+namespace manylight::test::rough_dielectric_test {
 namespace {
 
 using Glass = RoughDielectric<double>;
@@ -212,4 +212,4 @@ TEST(RoughDielectric, RangesHoldItsValues) {
 }
 
 }  // namespace
-}  // namespace manylight::test
+}  // namespace manylight::test::rough_dielectric_test

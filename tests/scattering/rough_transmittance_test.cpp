@@ -6,7 +6,7 @@
 
 #include "support/quadrature.hpp"
 
-namespace manylight::test {
+namespace manylight::test::rough_transmittance_test {
 namespace {
 
 /// Share transmitted, int (1 - F(w . m)) D(m) G1(w) G1(t) (w . m) / w.z dm, with t the direction refracted at m.
@@ -102,4 +102,4 @@ TEST(RoughTransmittance, SinglyReflectedDefinition) {
 }
 
 }  // namespace
-}  // namespace manylight::test
+}  // namespace manylight::test::rough_transmittance_test

@@ -7,7 +7,7 @@
 #include "support/chi_square.hpp"
 #include "support/jacobian.hpp"
 
-namespace manylight::test {
+namespace manylight::test::samplers_test {
 namespace {
 
 constexpr double k_family_level = 1e-4;  // probability of a false alarm of all cases of one test together
@@ -148,4 +148,4 @@ TEST(Samplers, KeepTheRightShareAboveTheHorizon) {
 }
 
 }  // namespace
-}  // namespace manylight::test
+}  // namespace manylight::test::samplers_test

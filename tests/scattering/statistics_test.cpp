@@ -11,7 +11,7 @@
 #include "manylight/core/sampler.hpp"
 #include "manylight/core/warp.hpp"
 
-namespace manylight::test {
+namespace manylight::test::statistics_test {
 namespace {
 
 TEST(Statistics, ChiSquareTailEqualsTabulatedValues) {
@@ -93,4 +93,4 @@ TEST(Statistics, QuadratureIsExactOnKnownIntegrals) {
 }
 
 }  // namespace
-}  // namespace manylight::test
+}  // namespace manylight::test::statistics_test

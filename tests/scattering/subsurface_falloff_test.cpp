@@ -14,7 +14,7 @@
 #include "support/chi_square.hpp"
 #include "support/z_test.hpp"
 
-namespace manylight::test {
+namespace manylight::test::subsurface_falloff_test {
 namespace {
 
 /// Calls `f(falloff, name)` for each kind.
@@ -287,4 +287,4 @@ TEST(AnyFalloff, EqualsWhatItHolds) {
 }
 
 }  // namespace
-}  // namespace manylight::test
+}  // namespace manylight::test::subsurface_falloff_test

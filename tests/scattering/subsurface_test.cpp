@@ -7,7 +7,7 @@
 #include "scattering/falloff_support.hpp"
 #include "support/quadrature.hpp"
 
-namespace manylight::test {
+namespace manylight::test::subsurface_test {
 namespace {
 
 TEST(Subsurface, EndsAndSegmentMakeTheBssrdf) {
@@ -64,4 +64,4 @@ TEST(Subsurface, WrongParametersThrow) {
 }
 
 }  // namespace
-}  // namespace manylight::test
+}  // namespace manylight::test::subsurface_test

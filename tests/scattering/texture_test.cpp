@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace manylight {
+namespace manylight::texture_test {
 namespace {
 
 template <class S>
@@ -140,4 +140,4 @@ TYPED_TEST(TextureTest, RejectsBitmapsThatDoNotFit) {
 }
 
 }  // namespace
-}  // namespace manylight
+}  // namespace manylight::texture_test

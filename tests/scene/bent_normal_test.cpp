@@ -15,7 +15,7 @@
 #include "manylight/scattering/texture.hpp"
 #include "manylight/scene/scene.hpp"
 
-namespace manylight {
+namespace manylight::bent_normal_test {
 namespace {
 
 using S = double;
@@ -188,4 +188,4 @@ TEST(BentNormal, SceneShadesWithItAndDoesNotLeak) {
 }
 
 }  // namespace
-}  // namespace manylight
+}  // namespace manylight::bent_normal_test

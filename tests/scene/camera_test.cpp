@@ -12,7 +12,7 @@
 #include "manylight/core/frame.hpp"
 #include "manylight/core/sampler.hpp"
 
-namespace manylight {
+namespace manylight::camera_test {
 namespace {
 
 using Config = PerspectiveConfig<double>;
@@ -177,4 +177,4 @@ TEST(PerspectiveCamera, RejectsBadParametersByName) {
 }
 
 }  // namespace
-}  // namespace manylight
+}  // namespace manylight::camera_test

@@ -7,7 +7,7 @@
 #include "manylight/scene/emitters.hpp"
 #include "scene/light_builders.hpp"
 
-namespace manylight::test {
+namespace manylight::test::direct_light_test {
 namespace {
 
 constexpr double k_round = 1e-9;  // double: rounding of some hundred operations, far below the noise of all estimates
@@ -274,4 +274,4 @@ TEST(DirectLight, DensitiesIntegrateToTheSelectionProbability) {
 }
 
 }  // namespace
-}  // namespace manylight::test
+}  // namespace manylight::test::direct_light_test

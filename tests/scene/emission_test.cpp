@@ -8,7 +8,7 @@
 #include "manylight/scene/emitters.hpp"
 #include "scene/light_builders.hpp"
 
-namespace manylight::test {
+namespace manylight::test::emission_test {
 namespace {
 
 constexpr double k_round = 1e-9;  // double: rounding of some hundred operations
@@ -276,4 +276,4 @@ TEST(Emission, TexturedLightsAreValuedTexelByTexel) {
 }
 
 }  // namespace
-}  // namespace manylight::test
+}  // namespace manylight::test::emission_test

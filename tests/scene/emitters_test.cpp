@@ -12,7 +12,7 @@
 #include "scene/light_builders.hpp"
 #include "support/chi_square.hpp"
 
-namespace manylight::test {
+namespace manylight::test::emitters_test {
 namespace {
 
 // Case 24: no lights, and lights of no power, give no samples; 1, 2, 3 lights give the sum.
@@ -223,4 +223,4 @@ TEST(Emitters, CostFewBytesPerTriangle) {
 }
 
 }  // namespace
-}  // namespace manylight::test
+}  // namespace manylight::test::emitters_test

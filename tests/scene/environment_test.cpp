@@ -11,7 +11,7 @@
 #include "scene/light_builders.hpp"
 #include "support/chi_square.hpp"
 
-namespace manylight::test {
+namespace manylight::test::environment_test {
 namespace {
 
 using Rotation = glm::mat<3, 3, double, glm::defaultp>;
@@ -169,4 +169,4 @@ TEST(Environment, RejectsBadInputByName) {
 }
 
 }  // namespace
-}  // namespace manylight::test
+}  // namespace manylight::test::environment_test

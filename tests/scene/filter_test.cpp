@@ -9,7 +9,7 @@
 #include "manylight/core/sampler.hpp"
 #include "support/chi_square.hpp"
 
-namespace manylight::test {
+namespace manylight::test::filter_test {
 namespace {
 
 template <std::floating_point S>
@@ -86,4 +86,4 @@ TEST(Filter, RejectsBadParameters) {
 }
 
 }  // namespace
-}  // namespace manylight::test
+}  // namespace manylight::test::filter_test

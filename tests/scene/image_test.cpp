@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace manylight {
+namespace manylight::image_test {
 namespace {
 
 TEST(Image, IsRowMajorFromTheTop) {
@@ -25,4 +25,4 @@ TEST(Image, RejectsImpossibleSizes) {
 }
 
 }  // namespace
-}  // namespace manylight
+}  // namespace manylight::image_test

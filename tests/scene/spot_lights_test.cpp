@@ -10,7 +10,7 @@
 #include "scene/light_builders.hpp"
 #include "support/z_test.hpp"
 
-namespace manylight::test {
+namespace manylight::test::spot_lights_test {
 namespace {
 
 constexpr double k_pi_d = k_pi<double>;
@@ -124,4 +124,4 @@ TEST(SpotLights, BadParametersAreNamed) {
 }
 
 }  // namespace
-}  // namespace manylight::test
+}  // namespace manylight::test::spot_lights_test
