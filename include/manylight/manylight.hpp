@@ -115,6 +115,7 @@
 #include "manylight/path/bidirectional_walk.hpp"
 #include "manylight/path/bidirectional_weights.hpp"
 #include "manylight/path/connect.hpp"
+#include "manylight/path/direct_light.hpp"
 #include "manylight/path/eye_subpath.hpp"
 #include "manylight/path/four_constraints.hpp"
 #include "manylight/path/kollig_keller.hpp"

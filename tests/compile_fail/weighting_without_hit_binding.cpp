@@ -19,6 +19,7 @@ struct Nothing {
 #ifdef MANYLIGHT_CORRECT
   manylight::Constraint hit_binding(const Record&, float) const { return manylight::Constraint::energy; }
 #endif
+  bool takes_hits() const { return false; }
   bool prune(const Record&, float) const { return true; }
   bool prune_delta(const Record&) const { return true; }
   manylight::SensorLimit<float> limit(const Record&) const { return {}; }

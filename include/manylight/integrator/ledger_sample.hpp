@@ -125,7 +125,8 @@ class LedgerIntegrator {
   static_assert(
       Weighting<W>,
       "manylight::LedgerIntegrator: the weighting must model Weighting: Scalar, Record, start, extend, "
-      "extend_delta, weight, hit_weight, binding, hit_binding, prune, prune_delta, limit, clamp, light_limit");
+      "extend_delta, weight, hit_weight, binding, hit_binding, takes_hits, prune, prune_delta, limit, clamp, "
+      "light_limit");
 
  public:
   using S = typename Scene::Scalar;

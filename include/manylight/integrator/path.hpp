@@ -2,11 +2,8 @@
 #pragma once
 
 // Path tracing with next event estimation, the reference of all other methods [Kajiya 1986; Veach 1997, section 9.2].
-// Each bounce draws one light and one direction; both find the same light, so their contributions are weighted by the
-// balance heuristic, both densities taken per solid angle at the bounce:
-//
-//   light drawn      w = pL / (pL + pB)      pL = sample_direct's density (selection included)
-//   emitter hit      w = pB / (pB + pL)      pB = the material's density
+// Each bounce draws one light and one direction; both find the same light, weighted by the balance heuristic
+// (path/direct_light.hpp).
 //
 // Roulette multiplies the throughput only; it needs no place in the weights, which sum to one for any split of the light.
 
@@ -16,8 +13,8 @@
 #include <vector>
 
 #include "manylight/integrator/film.hpp"
+#include "manylight/path/direct_light.hpp"
 #include "manylight/path/transfer.hpp"
-#include "manylight/path/walk.hpp"
 #include "manylight/scene/instants.hpp"
 
 namespace manylight {
@@ -75,12 +72,7 @@ class PathIntegrator {
   void trace(const Ray<S>& ray, Stream& stream, RayCounts& rays, Visitor& visitor) const;
 
  private:
-  /// Where the last direction was drawn, for the weight of emitters that it hits.
-  struct Bounce {
-    Vec3<S> position{0};
-    S pdf = S(0);
-    bool is_weighted = false;  ///< false: seen directly or through Dirac vertices, no light was drawn for it
-  };
+  using Bounce = LastBounce<S>;
   struct Sum {
     Rgb<S> radiance{0};
     void arrive(const Vec3<S>&) const noexcept {}
@@ -95,9 +87,6 @@ class PathIntegrator {
     void pass_below(S, S, S, const Vec3<S>&) const noexcept {}
   };
 
-  [[nodiscard]] static S share(S own, S other) noexcept { return own / (own + other); }
-  [[nodiscard]] Rgb<S> emission(const SurfacePoint<S>& point, const Vec3<S>& wo, const Bounce& bounce) const;
-  [[nodiscard]] Rgb<S> environment(const Vec3<S>& direction, const Bounce& bounce) const;
   template <class Hit, SampleStream Stream, class Visitor>
   [[nodiscard]] bool bounce_at(const Hit& hit, WalkState<S>& walk, unsigned& edges, Bounce& bounce, Stream& stream,
                                RayCounts& rays, Visitor& visitor) const;
@@ -131,11 +120,11 @@ void PathIntegrator<Scene>::trace(const Ray<S>& ray, Stream& stream, RayCounts& 
         continue;
       }
     }
-    if (!arrival.surface) return visitor.environment(walk.beta * environment(walk.ray.direction, bounce));
+    if (!arrival.surface) return visitor.environment(walk.beta * hit_environment(scene_, walk.ray.direction, bounce));
     const SurfacePoint<S>& point = *arrival.surface;
     visitor.arrive(point.position);
     const Vec3<S> wo = -walk.ray.direction;
-    visitor.emission(walk.beta * emission(point, wo, bounce), point, wo);
+    visitor.emission(walk.beta * hit_emission(scene_, point, wo, bounce), point, wo);
     const bool is_last = edges == config_.max_edges;
     if (is_last && !config_.straight_is_free) break;
     const auto hit = scene_.interaction(point, wo, walk.medium);
@@ -206,39 +195,13 @@ bool PathIntegrator<Scene>::scatter_at(const Hit& hit, WalkState<S>& walk, unsig
 }
 
 template <class Scene>
-auto PathIntegrator<Scene>::emission(const SurfacePoint<S>& point, const Vec3<S>& wo, const Bounce& bounce) const
-    -> Rgb<S> {
-  const Rgb<S> radiance = scene_.emitters().emitted(point, wo);
-  if (!bounce.is_weighted || is_black(radiance)) return radiance;
-  return radiance * share(bounce.pdf, scene_.emitters().pdf_direct(bounce.position, point, -wo));
-}
-
-template <class Scene>
-auto PathIntegrator<Scene>::environment(const Vec3<S>& direction, const Bounce& bounce) const -> Rgb<S> {
-  const Rgb<S> radiance = scene_.emitters().environment(direction);
-  if (!bounce.is_weighted || is_black(radiance)) return radiance;
-  return radiance * share(bounce.pdf, scene_.emitters().pdf_direct_environment(direction));
-}
-
-template <class Scene>
 template <class Hit, SampleStream Stream, class Visitor>
 void PathIntegrator<Scene>::direct(const Rgb<S>& beta, const Hit& hit, const Vec3<S>& wo, Stream& stream,
                                    RayCounts& rays, Visitor& visitor) const {
-  const S u_select = stream.next();
-  const Anchor<S> here = anchor(hit);
-  const auto light = scene_.emitters().sample_direct(here.position, u_select, stream.next_2d());
-  if (!light || is_black(light->radiance)) return;
-  const Scattered<S> scatter = scattered(hit, light->wi, wo);
-  if (is_black(scatter.value)) return;
-  S weight = S(1);
-  if (!light->is_delta) weight = share(light->pdf, direction_pdf(hit, light->wi, wo));
-  std::uint64_t seed = 0;
-  if constexpr (Scene::k_has_media) seed = random_bits(stream);
-  const typename Scene::ShadowRay ray =
-      light->infinite ? Scene::shadow_ray(here, light->wi, seed)
-                      : Scene::shadow_ray(here, Anchor<S>{light->position, light->error, light->ng}, seed);
-  const Rgb<S> arriving = scatter.value * light->radiance * (weight / light->pdf) * scene_.visibility(ray, rays);
-  visitor.direct(beta * arriving, hit, wo, *light, scatter.f);
+  const std::optional<DrawnLight<Scene>> drawn = draw_light(scene_, hit, wo, stream);
+  if (!drawn) return;
+  const Rgb<S> arriving = drawn->scattered_radiance * scene_.visibility(drawn->shadow_ray(anchor(hit)), rays);
+  visitor.direct(beta * arriving, hit, wo, drawn->light, drawn->scatter.f);
 }
 
 /// Of a scene in motion: one per instant.

@@ -50,7 +50,7 @@ template <class Scene, class W, PatternBounds<typename Scene::Material> B = Auto
 class CutSum {
   static_assert(Weighting<W>,
                 "manylight::CutSum: the weighting must model Weighting: Scalar, Record, start, extend, extend_delta, weight, "
-                "hit_weight, binding, hit_binding, prune, prune_delta, limit, clamp, light_limit");
+                "hit_weight, binding, hit_binding, takes_hits, prune, prune_delta, limit, clamp, light_limit");
 
  public:
   using S = typename Scene::Scalar;

@@ -42,7 +42,8 @@ template <class Scene, class W>
 class BruteForceSum {
   static_assert(Weighting<W>,
                 "manylight::BruteForceSum: the weighting must model Weighting: Scalar, Record, start, extend, "
-                "extend_delta, weight, hit_weight, binding, hit_binding, prune, prune_delta, limit, clamp, light_limit");
+                "extend_delta, weight, hit_weight, binding, hit_binding, takes_hits, prune, prune_delta, limit, "
+                "clamp, light_limit");
 
  public:
   using S = typename Scene::Scalar;

@@ -9,7 +9,7 @@
 
 #include "manylight/bounds/automatic.hpp"
 #include "manylight/path/connect.hpp"
-#include "manylight/path/walk.hpp"
+#include "manylight/path/direct_light.hpp"
 #include "manylight/path/weighting.hpp"
 
 namespace manylight {
@@ -36,14 +36,15 @@ template <AnyVertex V, std::floating_point S = typename V::Scalar>
 }
 
 /// Traces one eye subpath from the camera ray and hands its parts to `visitor`:
-///  - `visitor.emission(radiance)`: an emitter that the path met itself, weighted, W/m^2/sr;
+///  - `visitor.emission(radiance)`: light of an emitter that the path met itself or, where the weighting takes hits, that
+///    was drawn for one of its vertices in place of such a hit, weighted, W/m^2/sr;
 ///  - `visitor.sensor(Sensor)`: a VPS to be connected.
 /// `weight`: filter weight over number of eye samples of the pixel. Paths longer than `max_edges` contribute nothing.
 template <class Scene, class W, SampleStream Stream, class Visitor>
 class EyeSubpath {
   static_assert(Weighting<W>,
                 "manylight::EyeSubpath: the weighting must model Weighting: Scalar, Record, start, extend, extend_delta, "
-                "weight, hit_weight, binding, hit_binding, prune, prune_delta, limit, clamp, light_limit");
+                "weight, hit_weight, binding, hit_binding, takes_hits, prune, prune_delta, limit, clamp, light_limit");
 
  public:
   using S = typename Scene::Scalar;
@@ -67,10 +68,10 @@ class EyeSubpath {
       }
       const std::optional<SurfacePoint<S>>& point = arrival.surface;
       if (!point) {
-        const Rgb<S> radiance = scene_.emitters().environment(walk.ray.direction);
+        const Rgb<S> radiance = hit_environment(scene_, walk.ray.direction, previous.bounce);
         if (is_black(radiance)) return;
-        const S t = S(1) / sqr(scene_.emitters().scene_radius());
-        visitor_.emission(walk.beta * radiance * weighting_.hit_weight(arrive(record, previous, t), k_inv_pi<S>));
+        const typename W::Record end = arrive(record, previous, transit_to_infinity());
+        visitor_.emission(walk.beta * radiance * weighting_.hit_weight(end, k_inv_pi<S>));
         return;
       }
       record = arrive(record, previous, transit(previous, point->position));
@@ -86,12 +87,14 @@ class EyeSubpath {
     S m{};
     S d{};
     Vec3<S> position{0};
+    LastBounce<S> bounce;
   };
 
   [[nodiscard]] static S transit(const Step& step, const Vec3<S>& position) noexcept {
     const Vec3<S> to_previous = step.position - position;
     return S(1) / glm::dot(to_previous, to_previous);
   }
+  [[nodiscard]] S transit_to_infinity() const noexcept { return S(1) / sqr(scene_.emitters().scene_radius()); }
   [[nodiscard]] typename W::Record arrive(const typename W::Record& record, const Step& step, S t) const {
     if (step.is_first) return record;
     return step.is_delta ? weighting_.extend_delta(record) : weighting_.extend(record, step.m, step.d, t);
@@ -101,7 +104,7 @@ class EyeSubpath {
   bool visit(WalkState<S>& walk, typename W::Record& record, const SurfacePoint<S>& point, unsigned& edges,
              Step& step) {
     const Vec3<S> wo = -walk.ray.direction;
-    const Rgb<S> emitted = scene_.emitters().emitted(point, wo);
+    const Rgb<S> emitted = hit_emission(scene_, point, wo, step.bounce);
     if (!is_black(emitted)) {
       const S d_emitter = std::abs(glm::dot(wo, point.ng)) * k_inv_pi<S>;
       visitor_.emission(walk.beta * emitted * weighting_.hit_weight(record, d_emitter));
@@ -119,6 +122,7 @@ class EyeSubpath {
   bool visit(WalkState<S>& walk, const typename W::Record& record, const Hit& hit, unsigned edges, Step& step) {
     if (edges == max_edges_ || !survives(walk, albedo(hit))) return false;
     const bool pruned = is_delta(hit) || !store_sensor(walk, record, hit, edges);
+    if (!pruned) draw_hit(walk, record, hit, edges);
     return leave(walk, record, hit, -walk.ray.direction, pruned, step);
   }
   /// Hands out the sensor at `hit`; false if it and all behind it carry nothing.
@@ -129,6 +133,26 @@ class EyeSubpath {
     if (!(vertex.alpha > S(0)) || weighting_.prune(record, sup_sensor_d(vertex))) return false;
     visitor_.sensor(Sensor<Scene, W>{vertex, record});
     return true;
+  }
+
+  /// Draws a light for the vertex, in place of the emitter hit of a walk that leaves it towards that light: where small
+  /// lamps are near, only one walk in many hits them, with all of what the clamp left.
+  template <class Hit>
+  void draw_hit(const WalkState<S>& walk, const typename W::Record& record, const Hit& hit, unsigned edges) {
+    if (!weighting_.takes_hits() || edges + 1 > max_edges_) return;
+    const Vec3<S> wo = -walk.ray.direction;
+    const std::optional<DrawnLight<Scene>> drawn = draw_light(scene_, hit, wo, stream_);
+    if (!drawn || drawn->light.is_delta) return;  // no walk hits a light of one direction or place
+    const DirectSample<S>& light = drawn->light;
+    const PatternMaxima<S> patterns = pattern_maxima(hit, light.wi, wo, drawn->scatter.f);
+    if (!(patterns.m > S(0)) || !(patterns.d > S(0))) return;
+    const Vec3<S> to_light = light.position - anchor(hit).position;
+    const S t = light.infinite ? transit_to_infinity() : S(1) / glm::dot(to_light, to_light);
+    const S d_emitter = light.infinite ? k_inv_pi<S> : std::abs(glm::dot(light.wi, light.ng)) * k_inv_pi<S>;
+    const S weight = weighting_.hit_weight(weighting_.extend(record, patterns.m, patterns.d, t), d_emitter);
+    if (!(weight > S(0))) return;
+    const typename Scene::Passed passed = scene_.visibility(drawn->shadow_ray(anchor(hit)), rays_);
+    visitor_.emission(walk.beta * drawn->scattered_radiance * passed * weight);
   }
 
   /// A surface that also scatters below: sensors for both, then the walk takes one of the ways.
@@ -142,6 +166,7 @@ class EyeSubpath {
     if (!pruned) visitor_.sensor(Sensor<Scene, W>{vertex, record});
     const S probability = submersion.probability();
     const bool surface_pruned = is_delta(hit) || !store_sensor(walk, record, hit, edges);
+    if (!surface_pruned) draw_hit(walk, record, hit, edges);
     if (!(stream_.next() < probability)) {
       walk.beta /= S(1) - probability;
       return leave(walk, record, hit, -walk.ray.direction, surface_pruned, step);
@@ -178,6 +203,7 @@ class EyeSubpath {
     step.is_first = false;
     step.position = anchor(hit).position;
     step.is_delta = sample->is_delta;
+    step.bounce = {step.position, sample->pdf, weighting_.takes_hits() && !sample->is_delta};
     if (sample->is_delta) {
       if (weighting_.prune_delta(record)) return false;
     } else {

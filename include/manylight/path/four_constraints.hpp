@@ -44,6 +44,7 @@ class FourConstraints {
   [[nodiscard]] Constraint binding(const Record& record, const PairPatterns<S>& pair) const noexcept;
   [[nodiscard]] S hit_weight(const Record& record, S d_emitter) const noexcept;
   [[nodiscard]] Constraint hit_binding(const Record& record, S d_emitter) const noexcept;
+  [[nodiscard]] bool takes_hits() const noexcept { return config_.hits == EmitterHits::all; }
   [[nodiscard]] bool prune(const Record& record, S d_sup) const noexcept;
   [[nodiscard]] bool prune_delta(const Record& record) const noexcept {
     return record.gamma < k_infinity<S> || record.k <= record.w_sum;

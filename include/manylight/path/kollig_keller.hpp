@@ -50,6 +50,7 @@ class KolligKeller {
     return config_.hits == EmitterHits::all ? left_after(record, d_emitter) : S(0);
   }
   [[nodiscard]] Constraint hit_binding(const Record&, S) const noexcept { return Constraint::energy; }
+  [[nodiscard]] bool takes_hits() const noexcept { return config_.hits == EmitterHits::all; }
   /// Nothing is left, or nothing will be since segment k-1 takes all for every D_k <= d_sup.
   [[nodiscard]] bool prune(const Record& record, S d_sup) const noexcept { return !(left_after(record, d_sup) > S(0)); }
   [[nodiscard]] bool prune_delta(const Record& record) const noexcept { return !(record.left > S(0)); }

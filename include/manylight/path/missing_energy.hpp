@@ -60,7 +60,7 @@ class PathShares {
   static_assert(
       Weighting<W>,
       "manylight::PathShares: the weighting must model Weighting: Scalar, Record, start, extend, extend_delta, "
-      "weight, hit_weight, binding, hit_binding, prune, prune_delta, limit, clamp, light_limit");
+      "weight, hit_weight, binding, hit_binding, takes_hits, prune, prune_delta, limit, clamp, light_limit");
 
  public:
   using S = typename W::Scalar;

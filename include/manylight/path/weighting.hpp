@@ -60,6 +60,7 @@ enum class Constraint : std::uint8_t {
 ///    energy, variance, clamp, diffuse_light, so that `energy` says that nothing is left or that the weighting has no
 ///    such generator, and `variance` that no later one takes anything; `hit_binding(record, d_emitter)`: the same for
 ///    `hit_weight`. Only the ledger of missing energy asks;
+///  - `takes_hits()`: `hit_weight` may be other than 0 after an ordinary vertex. Lights are then drawn for the vertices too;
 ///  - `prune(record, d_sup)`: every weight from this vertex on is provably 0, whatever the direction, given that its
 ///    D_k <= d_sup; `prune_delta(record)`: the same for a Dirac continuation;
 ///  - `limit(record)`: see SensorLimit; `clamp()`, `light_limit()`: w M T D <= clamp (not for exact VPLs) and
@@ -75,6 +76,7 @@ concept Weighting = requires(const W& weighting, const typename W::Record& recor
   { weighting.hit_weight(record, x) } -> std::same_as<typename W::Scalar>;
   { weighting.binding(record, patterns) } -> std::same_as<Constraint>;
   { weighting.hit_binding(record, x) } -> std::same_as<Constraint>;
+  { weighting.takes_hits() } -> std::same_as<bool>;
   { weighting.prune(record, x) } -> std::same_as<bool>;
   { weighting.prune_delta(record) } -> std::same_as<bool>;
   { weighting.limit(record) } -> std::same_as<SensorLimit<typename W::Scalar>>;
@@ -149,6 +151,7 @@ class StandardWeighting {
   }
   [[nodiscard]] S hit_weight(const Record& record, S) const noexcept { return record.used ? S(0) : S(1); }
   [[nodiscard]] Constraint hit_binding(const Record&, S) const noexcept { return Constraint::energy; }
+  [[nodiscard]] bool takes_hits() const noexcept { return false; }
   [[nodiscard]] bool prune(const Record& record, S) const noexcept { return record.used; }
   [[nodiscard]] bool prune_delta(const Record& record) const noexcept { return record.used; }
   [[nodiscard]] SensorLimit<S> limit(const Record&) const noexcept { return {}; }
