@@ -2,12 +2,13 @@
 #pragma once
 
 #include "render/render_aovs.hpp"
+#include "render/render_bidirectional.hpp"
 #include "render/render_many_light.hpp"
 #include "render/render_path.hpp"
 
 namespace manylight::render {
 
-template <class Geometry, class Shader, class Media>
+template <MethodGroup group, class Geometry, class Shader, class Media>
 JobResult run_job(scene_file::SceneDescription& description, const Options& options) {
   const Stopwatch clock;
   const Setup<Geometry, Shader, Media> setup(description, options);
@@ -15,7 +16,9 @@ JobResult run_job(scene_file::SceneDescription& description, const Options& opti
   result.statistics["seconds"]["build"] = clock.seconds();
   result.statistics["rays"] = {{"closest", 0}, {"shadow", 0}};
   render_aovs(setup, result);
-  if (options.method == Method::path) {
+  if constexpr (group == MethodGroup::no_subsurface) {
+    render_bidirectional(setup, result);
+  } else if (options.method == Method::path) {
     render_path(setup, result);
   } else {
     ManyLightJob<Geometry, Shader, Media>(setup, result).run();
