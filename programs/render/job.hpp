@@ -4,12 +4,11 @@
 #include <map>
 #include <string>
 
-#include <nlohmann/json.hpp>
-
 #include "manylight/scene/image.hpp"
 #include "render/file_media.hpp"
 #include "render/file_shader.hpp"
 #include "render/options.hpp"
+#include "render/statistics.hpp"
 #include "scene_file/scene_description.hpp"
 
 namespace manylight::render {
@@ -19,7 +18,7 @@ struct JobResult {
   Image<float> image;                         ///< W/m^2/sr
   std::map<std::string, Image<float>> aovs;   ///< by name
   std::map<std::string, Image<float>> strategies;  ///< of bidirectional path tracing, by name
-  nlohmann::json statistics;                  ///< see docs/program.md
+  Statistics statistics;
 };
 
 /// Methods that are instantiated together for a kind of scene.

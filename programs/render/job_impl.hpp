@@ -13,8 +13,7 @@ JobResult run_job(scene_file::SceneDescription& description, const Options& opti
   const Stopwatch clock;
   const Setup<Geometry, Shader, Media> setup(description, options);
   JobResult result;
-  result.statistics["seconds"]["build"] = clock.seconds();
-  result.statistics["rays"] = {{"closest", 0}, {"shadow", 0}};
+  result.statistics.set_seconds("build", clock.seconds());
   render_aovs(setup, result);
   if constexpr (group == MethodGroup::no_subsurface) {
     render_bidirectional(setup, result);

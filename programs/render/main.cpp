@@ -5,6 +5,7 @@
 #include <fstream>
 
 #include <fmt/core.h>
+#include <nlohmann/json.hpp>
 
 #include "image_io/image_io.hpp"
 #include "manylight/core/config.hpp"
@@ -123,7 +124,7 @@ int run(const Options& options) {
   std::string kind;
   JobResult result = dispatch(description, options, kind);
   write_images(options, result);
-  nlohmann::json& statistics = result.statistics;
+  nlohmann::json& statistics = result.statistics.json();
   statistics["version"] =
       fmt::format("{}.{}.{}", MANYLIGHT_VERSION_MAJOR, MANYLIGHT_VERSION_MINOR, MANYLIGHT_VERSION_PATCH);
   statistics["scene_kind"] = kind;

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <functional>
-#include <string>
 #include <vector>
 
 #include "manylight/integrator/bidirectional_image.hpp"
@@ -16,20 +15,7 @@ namespace manylight::render {
 inline constexpr unsigned k_max_strategy_edges = 8;
 
 /// Weighted images of the strategies, and their means over the window.
-inline void report_strategies(const StrategyImages& images, const Window& window, std::uint32_t samples,
-                              JobResult& result) {
-  for (unsigned edges = 1; edges <= images.max_edges; ++edges) {
-    for (unsigned s = 0; s <= edges; ++s) {
-      const unsigned t = edges + 1 - s;
-      const std::string name = "s" + std::to_string(s) + "_t" + std::to_string(t);
-      const std::vector<Rgb<double>>& sums = images.at(s, t).weighted;
-      double sum = 0;
-      for (const Rgb<double>& pixel : sums) sum += luminance(pixel);
-      result.statistics["strategies"][name] = sum / (static_cast<double>(sums.size()) * samples);
-      result.strategies[name] = mean_image(window, sums, samples);
-    }
-  }
-}
+void report_strategies(const StrategyImages& images, const Window& window, std::uint32_t samples, JobResult& result);
 
 /// Method `bdpt`.
 template <class Geometry, class Shader, class Media>
@@ -55,11 +41,10 @@ void render_bidirectional(const Setup<Geometry, Shader, Media>& setup, JobResult
   }
   result.image = image();
   report_strategies(sums.strategies, setup.window, loop.done(), result);
-  add_rays(result, statistics.rays);
-  result.statistics["seconds"]["pixels"] = clock.seconds();
-  result.statistics["samples_per_pixel"] = loop.done();
-  result.statistics["invalid_samples"] = statistics.invalid;
-  result.statistics["interrupted"] = loop.is_interrupted();
+  result.statistics.add_rays(statistics.rays);
+  result.statistics.set_seconds("pixels", clock.seconds());
+  result.statistics.set_samples(loop.done(), statistics.invalid);
+  result.statistics.set_interrupted(loop.is_interrupted());
 }
 
 }  // namespace manylight::render

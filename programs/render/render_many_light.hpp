@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <algorithm>
 #include <functional>
-#include <numeric>
-#include <string>
+#include <vector>
 
 #include "manylight/integrator/bidirectional_lightcuts.hpp"
 #include "manylight/integrator/instant_radiosity.hpp"
@@ -15,20 +13,6 @@
 #include "render/setup.hpp"
 
 namespace manylight::render {
-
-/// Mean, median, 99th percentile and maximum.
-[[nodiscard]] inline nlohmann::json distribution(std::vector<std::uint32_t> values) {
-  if (values.empty()) return nullptr;
-  std::sort(values.begin(), values.end());
-  const double sum = std::accumulate(values.begin(), values.end(), 0.0);
-  const auto at = [&](double p) {
-    return values[static_cast<std::size_t>(p * static_cast<double>(values.size() - 1) + 0.5)];
-  };
-  return {{"mean", sum / static_cast<double>(values.size())},
-          {"median", at(0.5)},
-          {"percentile_99", at(0.99)},
-          {"maximum", values.back()}};
-}
 
 [[nodiscard]] inline ManyLightConfig many_light_config(const Options& options, unsigned max_edges,
                                                        const Window& window) {
@@ -71,7 +55,7 @@ class ManyLightJob {
       // Nothing of that pass is in the sums.
     }
     result_.image = image();
-    result_.statistics["interrupted"] = loop.is_interrupted();
+    result_.statistics.set_interrupted(loop.is_interrupted());
     report_pixels(loop.done());
     if (options_.ledger_spp) with_weighting([&](const auto& weighting) { book_missing(weighting); });
   }
@@ -85,8 +69,8 @@ class ManyLightJob {
     lights_ = prepare_lights(setup_.scene, setup_.camera, setup_.filter, config_, sampler_, setup_.executor);
     if (has_cuts(options_.method)) tree_.emplace(std::move(lights_.lights.vpls), setup_.executor, bounds_);
     light_seconds_ += clock.seconds();
-    result_.statistics["seconds"]["vpls"] = light_seconds_;
-    add_rays(result_, lights_.rays);
+    result_.statistics.set_seconds("vpls", light_seconds_);
+    result_.statistics.add_rays(lights_.rays);
     if (pass > 0) return;
     report_lights();
     config_.adaptation_luminance = lights_.adaptation_luminance;
@@ -138,70 +122,36 @@ class ManyLightJob {
       ledger = estimate_ledger(integrator, setup_.camera, setup_.filter, setup_.window, setup_.sampler, 0,
                                *options_.ledger_spp, setup_.executor, progress);
     } catch (const PassAbandoned&) {
-      result_.statistics["interrupted"] = true;
+      result_.statistics.set_interrupted(true);
       return;
     }
-    add_rays(result_, ledger.rays);
-    report_ledger(ledger);
-    result_.statistics["seconds"]["ledger"] = clock.seconds();
+    result_.statistics.add_rays(ledger.rays);
+    result_.statistics.set_ledger(ledger, *options_.ledger_spp);
+    result_.statistics.set_seconds("ledger", clock.seconds());
     if (!options_.aovs.contains("missing")) return;
     Image<float> image(setup_.window.width(), setup_.window.height());
     for (std::size_t i = 0; i < image.pixels.size(); ++i) image.pixels[i] = Rgb<float>(ledger.missing[i]);
     result_.aovs["missing"] = std::move(image);
   }
 
-  void report_ledger(const Ledger& ledger) {
-    const auto entry = [&](const LedgerMean& mean) {
-      const double truth = ledger.truth.luminance > 0 ? ledger.truth.luminance : 1;
-      return nlohmann::json{{"luminance", mean.luminance},
-                            {"standard_error", mean.luminance_error},
-                            {"share", mean.luminance / truth}};
-    };
-    nlohmann::json& json = result_.statistics["missing"];
-    json = {{"samples_per_pixel", *options_.ledger_spp},
-            {"invalid_samples", ledger.invalid},
-            {"truth", entry(ledger.truth)},
-            {"total", entry(ledger.total)}};
-    for (std::size_t e = 0; e < k_ledger_entries; ++e) {
-      std::string key(name(static_cast<LedgerEntry>(e)));
-      std::replace(key.begin(), key.end(), ' ', '_');
-      json["entries"][key] = entry(ledger.entries[e]);
-    }
-  }
-
   void report_lights() {
-    nlohmann::json& json = result_.statistics;
     const std::size_t count = tree_ ? tree_->vpls().size() : lights_.lights.vpls.size();
-    const std::size_t bytes = tree_ ? tree_->bytes() : count * sizeof(VertexOf<SceneType>);
-    json["vpls"] = {{"count", count},
-                    {"light_paths", lights_.lights.path_count},
-                    {"bytes_per_vpl", count > 0 ? static_cast<double>(bytes) / static_cast<double>(count) : 0.0},
-                    {"mean_intensity_w", lights_.lights.mean_intensity}};
-    json["adaptation_luminance"] = lights_.adaptation_luminance;
-    json["adaptation_is_fallback"] = lights_.is_adaptation_fallback;
-    const float clamp = lights_.weights.c_clamp;
-    json["clamp"] = clamp < k_infinity<float> ? nlohmann::json(clamp) : nlohmann::json(nullptr);
+    result_.statistics.set_lights({count, tree_ ? tree_->bytes() : count * sizeof(VertexOf<SceneType>),
+                                   lights_.lights.path_count, static_cast<double>(lights_.lights.mean_intensity),
+                                   lights_.adaptation_luminance, lights_.is_adaptation_fallback,
+                                   lights_.weights.c_clamp});
   }
 
   void report_pixels(std::uint32_t passes) {
-    nlohmann::json& json = result_.statistics;
-    add_rays(result_, statistics_.eye_rays);
-    add_rays(result_, statistics_.pairs.rays);
-    json["seconds"]["pixels"] = pixel_seconds_;
-    json["passes"] = passes;
-    json["eye_paths_per_pixel"] = std::uint64_t{options_.eye_paths} * passes;
-    json["sensors"] = statistics_.sensors;
-    json["pairs"] = statistics_.pairs.pairs;
-    std::vector<std::uint32_t> cut_sizes;
-    for (const std::uint64_t sum : cut_sizes_) cut_sizes.push_back(static_cast<std::uint32_t>(sum / passes));
+    PixelReport report{passes, options_.eye_paths, pixel_seconds_, has_cuts(options_.method), {}};
+    for (const std::uint64_t sum : cut_sizes_) report.cut_sizes.push_back(static_cast<std::uint32_t>(sum / passes));
     if (options_.aovs.contains("cut-size")) {
       Image<float>& image = result_.aovs["cut-size"] = Image<float>(setup_.window.width(), setup_.window.height());
-      for (std::size_t i = 0; i < cut_sizes.size(); ++i) image.pixels[i] = Rgb<float>(static_cast<float>(cut_sizes[i]));
+      for (std::size_t i = 0; i < report.cut_sizes.size(); ++i) {
+        image.pixels[i] = Rgb<float>(static_cast<float>(report.cut_sizes[i]));
+      }
     }
-    json["cut"] = tree_ ? distribution(std::move(cut_sizes)) : nlohmann::json(nullptr);
-    json["capped_pixels"] = statistics_.capped_pixels;
-    json["bound_violations"] = statistics_.pairs.bound_violations;
-    json["invalid_samples"] = statistics_.invalid_samples;
+    result_.statistics.set_pixels(report, statistics_);
   }
 
   const Setup<Geometry, Shader, Media>& setup_;

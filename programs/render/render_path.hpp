@@ -26,11 +26,10 @@ void render_path(const Setup<Geometry, Shader, Media>& setup, JobResult& result)
     loop.finish(count, image);
   }
   result.image = image();
-  add_rays(result, statistics.rays);
-  result.statistics["seconds"]["pixels"] = clock.seconds();
-  result.statistics["samples_per_pixel"] = loop.done();
-  result.statistics["invalid_samples"] = statistics.invalid;
-  result.statistics["interrupted"] = loop.is_interrupted();
+  result.statistics.add_rays(statistics.rays);
+  result.statistics.set_seconds("pixels", clock.seconds());
+  result.statistics.set_samples(loop.done(), statistics.invalid);
+  result.statistics.set_interrupted(loop.is_interrupted());
 }
 
 }  // namespace manylight::render
