@@ -99,9 +99,11 @@ void validate(const Options& o) {
   require(std::isfinite(o.exposure), "--exposure", o.exposure, "finite");
   if (o.max_depth) require(*o.max_depth == -1 || *o.max_depth >= 1, "--max-depth", *o.max_depth, "-1 or at least 1");
   if (o.ledger_spp) require_range<std::uint32_t>("--ledger-spp", *o.ledger_spp, 2, 1U << 24U);
-  for (const auto& [name, seconds] : {std::pair("--time-limit", o.time_limit), std::pair("--progress-images", o.progress_images)}) {
+  const auto require_seconds = [](const char* name, const std::optional<double>& seconds) {
     if (seconds) require(*seconds > 0 && std::isfinite(*seconds), name, *seconds, "above 0 seconds");
-  }
+  };
+  require_seconds("--time-limit", o.time_limit);
+  require_seconds("--progress-images", o.progress_images);
 }
 
 }  // namespace

@@ -178,6 +178,7 @@ TEST_F(Passes, SignalLeavesTheImageOfAsManySamples) {
 }
 
 // A first pass of minutes: the first signal waits for it, the second does not.
+// Planted bug seen to fail, by not ending: the second signal ignored.
 TEST_F(Passes, SecondSignalEndsAtOnceWithoutAFile) {
   const std::string arguments = call("vpl", "none.pfm", "", "--size 1600x1600 --vpls 4000");
   const std::size_t before = file_count();
