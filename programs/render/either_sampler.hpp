@@ -33,6 +33,10 @@ struct EitherSampler {
     SobolStream<float> sobol_;
   };
 
+  /// For an independent image; the first one's is this one.
+  [[nodiscard]] EitherSampler pass(std::uint32_t index) const noexcept {
+    return {kind, index == 0 ? seed : mix_bits(mix_bits(seed) + index)};
+  }
   [[nodiscard]] Stream stream(Stage stage, std::uint64_t index, std::uint32_t sample = 0) const noexcept {
     return {*this, stage, index, sample};
   }

@@ -123,6 +123,8 @@ class SurfaceShaderOf {
 };
 
 using SurfaceFileShader = SurfaceShaderOf<PlainMaterial>;
+/// For scenes of everything but subsurface scattering.
+using BlendedFileShader = SurfaceShaderOf<BlendedMaterial>;
 
 /// Any surface of a file, and what scatters below it.
 class FullFileShader : public SurfaceShaderOf<BlendedMaterial> {

@@ -4,12 +4,11 @@
 #include <map>
 #include <string>
 
-#include <nlohmann/json.hpp>
-
 #include "manylight/scene/image.hpp"
 #include "render/file_media.hpp"
 #include "render/file_shader.hpp"
 #include "render/options.hpp"
+#include "render/statistics.hpp"
 #include "scene_file/scene_description.hpp"
 
 namespace manylight::render {
@@ -18,12 +17,23 @@ namespace manylight::render {
 struct JobResult {
   Image<float> image;                         ///< W/m^2/sr
   std::map<std::string, Image<float>> aovs;   ///< by name
-  nlohmann::json statistics;                  ///< see docs/program.md
+  std::map<std::string, Image<float>> strategies;  ///< of bidirectional path tracing, by name
+  Statistics statistics;
 };
 
-/// Renders `description` (whose shapes are moved from) as the options say, on the given backend, with surfaces of the
-/// given shader and the given media; instantiated in the files job_*.cpp, so that they compile side by side.
-template <class Geometry, class Shader, class Media>
+/// Methods that are instantiated together for a kind of scene.
+enum class MethodGroup {
+  any_scene,      ///< path, vpl, ir, lightcuts, bdlc
+  no_subsurface,  ///< bdpt: scenes whose shaders know no subsurface scattering
+};
+[[nodiscard]] constexpr MethodGroup group_of(Method method) noexcept {
+  return method == Method::bdpt ? MethodGroup::no_subsurface : MethodGroup::any_scene;
+}
+
+/// Renders `description` (whose shapes are moved from) as the options say, by a method of the given group, on the given
+/// backend, with surfaces of the given shader and the given media; instantiated in the files job_*.cpp, so that they
+/// compile side by side. Throws what Setup throws.
+template <MethodGroup group, class Geometry, class Shader, class Media>
 [[nodiscard]] JobResult run_job(scene_file::SceneDescription& description, const Options& options);
 
 }  // namespace manylight::render

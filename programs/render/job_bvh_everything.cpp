@@ -3,5 +3,6 @@
 #include "render/job_impl.hpp"
 
 namespace manylight::render {
-template JobResult run_job<Bvh<float>, FullFileShader, FileMedia>(scene_file::SceneDescription&, const Options&);
+template JobResult run_job<MethodGroup::any_scene, Bvh<float>, FullFileShader, FileMedia>(scene_file::SceneDescription&,
+                                                                                          const Options&);
 }  // namespace manylight::render

@@ -3,5 +3,8 @@
 #include "render/job_impl.hpp"
 
 namespace manylight::render {
-template JobResult run_job<Bvh<float>, SurfaceFileShader, NoMedia>(scene_file::SceneDescription&, const Options&);
+template JobResult run_job<MethodGroup::any_scene, Bvh<float>, SurfaceFileShader, NoMedia>(
+    scene_file::SceneDescription&, const Options&);
+template JobResult run_job<MethodGroup::no_subsurface, Bvh<float>, SurfaceFileShader, NoMedia>(
+    scene_file::SceneDescription&, const Options&);
 }  // namespace manylight::render

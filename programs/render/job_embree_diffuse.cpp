@@ -4,6 +4,9 @@
 #include "render/job_impl.hpp"
 
 namespace manylight::render {
-template JobResult run_job<EmbreeGeometry, DiffuseShader, NoMedia>(scene_file::SceneDescription&, const Options&);
+template JobResult run_job<MethodGroup::any_scene, EmbreeGeometry, DiffuseShader, NoMedia>(
+    scene_file::SceneDescription&, const Options&);
+template JobResult run_job<MethodGroup::no_subsurface, EmbreeGeometry, DiffuseShader, NoMedia>(
+    scene_file::SceneDescription&, const Options&);
 }  // namespace manylight::render
 #endif

@@ -4,6 +4,7 @@
 #include "render/job_impl.hpp"
 
 namespace manylight::render {
-template JobResult run_job<EmbreeGeometry, FullFileShader, FileMedia>(scene_file::SceneDescription&, const Options&);
+template JobResult run_job<MethodGroup::any_scene, EmbreeGeometry, FullFileShader, FileMedia>(
+    scene_file::SceneDescription&, const Options&);
 }  // namespace manylight::render
 #endif

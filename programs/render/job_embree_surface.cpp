@@ -4,6 +4,9 @@
 #include "render/job_impl.hpp"
 
 namespace manylight::render {
-template JobResult run_job<EmbreeGeometry, SurfaceFileShader, NoMedia>(scene_file::SceneDescription&, const Options&);
+template JobResult run_job<MethodGroup::any_scene, EmbreeGeometry, SurfaceFileShader, NoMedia>(
+    scene_file::SceneDescription&, const Options&);
+template JobResult run_job<MethodGroup::no_subsurface, EmbreeGeometry, SurfaceFileShader, NoMedia>(
+    scene_file::SceneDescription&, const Options&);
 }  // namespace manylight::render
 #endif

@@ -2,20 +2,22 @@
 #pragma once
 
 #include "render/render_aovs.hpp"
+#include "render/render_bidirectional.hpp"
 #include "render/render_many_light.hpp"
 #include "render/render_path.hpp"
 
 namespace manylight::render {
 
-template <class Geometry, class Shader, class Media>
+template <MethodGroup group, class Geometry, class Shader, class Media>
 JobResult run_job(scene_file::SceneDescription& description, const Options& options) {
   const Stopwatch clock;
   const Setup<Geometry, Shader, Media> setup(description, options);
   JobResult result;
-  result.statistics["seconds"]["build"] = clock.seconds();
-  result.statistics["rays"] = {{"closest", 0}, {"shadow", 0}};
+  result.statistics.set_seconds("build", clock.seconds());
   render_aovs(setup, result);
-  if (options.method == Method::path) {
+  if constexpr (group == MethodGroup::no_subsurface) {
+    render_bidirectional(setup, result);
+  } else if (options.method == Method::path) {
     render_path(setup, result);
   } else {
     ManyLightJob<Geometry, Shader, Media>(setup, result).run();

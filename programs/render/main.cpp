@@ -5,6 +5,7 @@
 #include <fstream>
 
 #include <fmt/core.h>
+#include <nlohmann/json.hpp>
 
 #include "image_io/image_io.hpp"
 #include "manylight/core/config.hpp"
@@ -13,7 +14,7 @@
 #include "manylight/geometry/embree.hpp"
 #endif
 #include "render/job.hpp"
-#include "render/progress.hpp"
+#include "render/passes.hpp"
 #include "scene_file/load_scene.hpp"
 
 namespace manylight::render {
@@ -23,20 +24,31 @@ namespace {
 /// The narrowest kind of scene that holds all materials and media.
 template <class Geometry>
 JobResult run_narrowest(scene_file::SceneDescription& description, const Options& options, std::string& kind) {
+  constexpr auto k_any = MethodGroup::any_scene;
+  constexpr auto k_no_subsurface = MethodGroup::no_subsurface;
+  const bool knows_subsurface = group_of(options.method) == k_any;
+  if (!knows_subsurface && !description.subsurfaces.empty()) {
+    throw ParameterError(fmt::format("--method {}", method_name(options.method)),
+                         "for a scene with subsurface scattering ('" + description.subsurfaces.front().name + "')",
+                         "path, vpl, ir, lightcuts or bdlc");
+  }
   const auto all_fit = [&](auto fits) {
     return description.media.empty() && description.subsurfaces.empty() && !description.moves() &&
            std::all_of(description.materials.begin(), description.materials.end(), fits);
   };
   if (all_fit(DiffuseShader::fits)) {
     kind = "diffuse";
-    return run_job<Geometry, DiffuseShader, NoMedia>(description, options);
+    return knows_subsurface ? run_job<k_any, Geometry, DiffuseShader, NoMedia>(description, options)
+                            : run_job<k_no_subsurface, Geometry, DiffuseShader, NoMedia>(description, options);
   }
   if (all_fit(SurfaceFileShader::fits)) {
     kind = "surfaces";
-    return run_job<Geometry, SurfaceFileShader, NoMedia>(description, options);
+    return knows_subsurface ? run_job<k_any, Geometry, SurfaceFileShader, NoMedia>(description, options)
+                            : run_job<k_no_subsurface, Geometry, SurfaceFileShader, NoMedia>(description, options);
   }
   kind = "everything";
-  return run_job<Geometry, FullFileShader, FileMedia>(description, options);
+  return knows_subsurface ? run_job<k_any, Geometry, FullFileShader, FileMedia>(description, options)
+                          : run_job<k_no_subsurface, Geometry, BlendedFileShader, FileMedia>(description, options);
 }
 
 JobResult dispatch(scene_file::SceneDescription& description, const Options& options, std::string& kind) {
@@ -49,6 +61,9 @@ JobResult dispatch(scene_file::SceneDescription& description, const Options& opt
 void check_outputs(const Options& options) {
   for (const std::string& file : options.outputs) image_io::check_writable(file);
   for (const auto& [name, file] : options.aovs) image_io::check_writable(file);
+  if (!options.strategy_images.empty() && !std::filesystem::is_directory(options.strategy_images)) {
+    throw ParameterError("--strategy-images", "'" + options.strategy_images + "'", "an existing folder");
+  }
   if (options.stats.empty()) return;
   if (!std::filesystem::is_directory(std::filesystem::absolute(options.stats).parent_path())) {
     throw ParameterError("--stats", "'" + options.stats + "'", "a file in an existing folder");
@@ -57,6 +72,7 @@ void check_outputs(const Options& options) {
 
 /// Written beside the target, then renamed: never half a file.
 void write_text(const std::string& path, const std::string& text) {
+  const WritingFile whole;
   const std::string temporary = path + ".partial";
   std::ofstream out(temporary);
   out << text << '\n';
@@ -87,17 +103,28 @@ scene_file::SceneDescription load(const Options& options) {
   return description;
 }
 
-void run(const Options& options) {
+void write_images(const Options& options, const JobResult& result) {
+  write_outputs(options, result.image);
+  for (const auto& [name, image] : result.aovs) {
+    const WritingFile whole;
+    image_io::write_image(options.aovs.at(name), image);
+  }
+  for (const auto& [name, image] : result.strategies) {
+    const WritingFile whole;
+    image_io::write_image(std::filesystem::path(options.strategy_images) / (name + ".exr"), image);
+  }
+}
+
+/// Returns the exit code.
+int run(const Options& options) {
   const Stopwatch clock;
   check_outputs(options);
   scene_file::SceneDescription description = load(options);
   const double load_seconds = clock.seconds();
   std::string kind;
   JobResult result = dispatch(description, options, kind);
-  const image_io::PngOptions png{options.exposure};
-  for (const std::string& file : options.outputs) image_io::write_image(file, result.image, png);
-  for (const auto& [name, file] : options.aovs) image_io::write_image(file, result.aovs.at(name));
-  nlohmann::json& statistics = result.statistics;
+  write_images(options, result);
+  nlohmann::json& statistics = result.statistics.json();
   statistics["version"] =
       fmt::format("{}.{}.{}", MANYLIGHT_VERSION_MAJOR, MANYLIGHT_VERSION_MINOR, MANYLIGHT_VERSION_PATCH);
   statistics["scene_kind"] = kind;
@@ -106,7 +133,10 @@ void run(const Options& options) {
   statistics["seconds"]["load"] = load_seconds;
   statistics["seconds"]["total"] = clock.seconds();
   if (!options.stats.empty()) write_text(options.stats, statistics.dump(2));
-  if (options.quiet) return;
+  const bool is_interrupted = statistics["interrupted"].get<bool>();
+  const int exit_code = is_interrupted ? k_exit_interrupted : 0;
+  if (options.quiet) return exit_code;
+  if (is_interrupted) fmt::print(stderr, "interrupted\n");
   for (const std::string& file : options.outputs) fmt::print("image: {}\n", std::filesystem::absolute(file).string());
   fmt::print("{} x {} pixels in {:.1f} s (load {:.1f}, build {:.1f}, light {:.1f}, pixels {:.1f}), {:.1f} million rays\n",
              result.image.width, result.image.height, clock.seconds(), load_seconds,
@@ -114,6 +144,7 @@ void run(const Options& options) {
              statistics["seconds"]["pixels"].get<double>(),
              1e-6 * static_cast<double>(statistics["rays"]["closest"].get<std::uint64_t>() +
                                         statistics["rays"]["shadow"].get<std::uint64_t>()));
+  return exit_code;
 }
 
 }  // namespace
@@ -129,8 +160,7 @@ int main(int argc, char** argv) {
       throw manylight::ParameterError("--backend", "embree", "bvh (this program was built without Embree)");
     }
 #endif
-    manylight::render::run(*options);
-    return 0;
+    return manylight::render::run(*options);
   } catch (const std::exception& error) {
     fmt::print(stderr, "manylight-render: {}\n", error.what());
     return 2;

@@ -63,12 +63,31 @@ void require_range(const char* name, T value, T lo, T hi) {
   require(value >= lo && value <= hi, name, value, fmt::format("{} to {}", lo, hi));
 }
 
-void validate(const Options& o) {
-  require_range<std::uint32_t>("--spp", o.spp, 1, 1U << 24U);
-  require_range<std::uint32_t>("--eye-paths", o.eye_paths, 1, 65536);
-  if (o.straight_is_free && o.method != Method::path) {
-    throw ParameterError("--straight-is-free", method_name(o.method), "method path");
+/// Options that the method does not have.
+void validate_for_method(const Options& o) {
+  const char* const method = method_name(o.method);
+  const bool many_light = is_many_light(o.method);
+  if (o.straight_is_free) require(o.method == Method::path, "--straight-is-free with method", method, "path");
+  if (!o.strategy_images.empty()) require(o.method == Method::bdpt, "--strategy-images with method", method, "bdpt");
+  if (o.ledger_spp) require(many_light, "--ledger-spp with method", method, "a many-light method");
+  if (o.passes > 1) require(many_light, "--passes with method", method, "a many-light method; others take --spp");
+  for (const auto& [name, file] : o.aovs) {
+    const std::string what = "--aov " + name + " with method";
+    if (name == "cut-size") require(has_cuts(o.method), what, method, "lightcuts or bdlc");
+    if (name == "missing") require(many_light, what, method, "a many-light method");
   }
+  if (!o.compensates) return;
+  require(o.method == Method::ir, "--compensate with method", method, "ir; others take --weights kollig_keller");
+  if (o.hits_after_dirac_only) {
+    throw ParameterError("--compensate", "with --hits-after-dirac-only", "one of the two: the last part of what a clamp "
+                         "takes is given back where eye paths meet lamps");
+  }
+}
+
+void validate(const Options& o) {
+  require_range<std::uint32_t>("--spp", o.spp, 1, k_max_samples);
+  require_range<std::uint32_t>("--passes", o.passes, 1, k_max_samples);
+  require_range<std::uint32_t>("--eye-paths", o.eye_paths, 1, 65536);
   require_range<std::uint32_t>("--instants", o.instants, 1, 4096);
   require_range<std::uint64_t>("--vpls", o.vpls, 1, 100'000'000);
   require_range<double>("--threshold", o.threshold, 0, 1);
@@ -80,17 +99,11 @@ void validate(const Options& o) {
   require(std::isfinite(o.exposure), "--exposure", o.exposure, "finite");
   if (o.max_depth) require(*o.max_depth == -1 || *o.max_depth >= 1, "--max-depth", *o.max_depth, "-1 or at least 1");
   if (o.ledger_spp) require_range<std::uint32_t>("--ledger-spp", *o.ledger_spp, 2, 1U << 24U);
-  if (o.ledger_spp) require(o.method != Method::path, "--ledger-spp with method", "path", "a many-light method");
-  if (o.method == Method::path) {
-    for (const char* name : {"cut-size", "missing"}) {
-      require(!o.aovs.contains(name), "--aov with method path", name, "albedo, depth, normal");
-    }
-  }
-  require(!o.aovs.contains("cut-size") || o.method != Method::vpl, "--aov with method vpl", "cut-size", "lightcuts or bdlc");
-  if (o.time_limit) {
-    require(*o.time_limit > 0 && std::isfinite(*o.time_limit), "--time-limit", *o.time_limit, "above 0 seconds");
-    require(o.method == Method::path, "--time-limit with method", "not progressive", "path");
-  }
+  const auto require_seconds = [](const char* name, const std::optional<double>& seconds) {
+    if (seconds) require(*seconds > 0 && std::isfinite(*seconds), name, *seconds, "above 0 seconds");
+  };
+  require_seconds("--time-limit", o.time_limit);
+  require_seconds("--progress-images", o.progress_images);
 }
 
 }  // namespace
@@ -103,7 +116,9 @@ const std::vector<std::string>& aov_names() {
 const char* method_name(Method method) {
   switch (method) {
     case Method::path: return "path";
+    case Method::bdpt: return "bdpt";
     case Method::vpl: return "vpl";
+    case Method::ir: return "ir";
     case Method::lightcuts: return "lightcuts";
     case Method::bdlc: return "bdlc";
   }
@@ -119,7 +134,8 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
   std::vector<std::string> defines;
   CLI::App app{"Renders a scene file (Mitsuba XML subset) with many-light methods.", "manylight-render"};
   const std::map<std::string, Method> methods{
-      {"path", Method::path}, {"vpl", Method::vpl}, {"lightcuts", Method::lightcuts}, {"bdlc", Method::bdlc}};
+      {"path", Method::path}, {"bdpt", Method::bdpt},           {"vpl", Method::vpl},
+      {"ir", Method::ir},     {"lightcuts", Method::lightcuts}, {"bdlc", Method::bdlc}};
   const std::map<std::string, Weights> weightings{{"standard", Weights::standard},
                                                   {"four", Weights::four},
                                                   {"residual", Weights::residual},
@@ -136,18 +152,24 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
   std::string backend = "bvh";
   std::string sampler = "independent";
   double time_limit = 0;
+  double progress_images = 0;
   int max_depth = 0;
   app.add_option("scene", o.scene, "Scene file, .xml")->required();
   app.add_option("-m,--method", method,
-                 "path (reference), vpl (all pairs), lightcuts (multidimensional), bdlc (bidirectional lightcuts)")
+                 "path (reference), bdpt (bidirectional path tracing), vpl (all pairs), ir (instant radiosity), "
+                 "lightcuts (multidimensional), bdlc (bidirectional lightcuts)")
       ->check(CLI::IsMember(methods))->capture_default_str();
   app.add_option("-o,--output", o.outputs, "Image to write: .exr, .pfm (linear) or .png; repeatable")->allow_extra_args(false);
   app.add_option("--size", size, "Image size in pixels, WxH [from the file]");
   app.add_option("--window", window, "Pixels to render, x0,y0,x1,y1 (x1, y1 excluded) [the whole image]");
-  app.add_option("--spp", o.spp, "Samples per pixel of method path")->capture_default_str();
+  auto* spp = app.add_option("--spp", o.spp, "Samples per pixel of path and bdpt [64; with a time limit what it allows]");
   app.add_option("--instants", o.instants, "Instants of the shutter interval, where something moves")
       ->capture_default_str();
-  app.add_option("--eye-paths", o.eye_paths, "Eye paths per pixel of the many-light methods")->capture_default_str();
+  app.add_option("--eye-paths", o.eye_paths, "Eye paths per pixel and pass of the many-light methods")
+      ->capture_default_str();
+  auto* passes = app.add_option("--passes", o.passes,
+                                "Images, each with lights of its own, that a many-light method takes the mean of "
+                                "[1; with a time limit what it allows]");
   app.add_option("--vpls", o.vpls, "Virtual point lights left by light paths; point and directional lights come on top")
       ->capture_default_str();
   app.add_option("--threshold", o.threshold, "Largest error bound of a cluster relative to the pixel, 0 to 1")
@@ -165,9 +187,15 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
   app.add_option("--seed", o.seed, "Seed; the same seed gives the same image, whatever the threads")
       ->capture_default_str();
   app.add_option("--threads", o.threads, "Threads, 0: all")->capture_default_str();
-  auto* limit = app.add_option("--time-limit", time_limit, "Stop method path after so many seconds, between passes");
-  app.add_option("--weights", weights, "Weights of the pairs [four for bdlc, standard for vpl and lightcuts]")
-      ->check(CLI::IsMember(weightings));
+  auto* limit = app.add_option("--time-limit", time_limit, "Seconds of rendering; the first pass is always finished");
+  auto* progress = app.add_option("--progress-images", progress_images,
+                                  "Write the image so far to the outputs about every so many seconds, between passes");
+  auto* chosen_weights =
+      app.add_option("--weights", weights, "Weights of the pairs [four for bdlc, standard for vpl and lightcuts]")
+          ->check(CLI::IsMember(weightings));
+  app.add_flag("--compensate", o.compensates,
+               "Method ir: give back what the clamp takes, without bias, by going on with eye paths")
+      ->excludes(chosen_weights);
   app.add_option("--bounds", bounds,
                  "Bounds of materials in cuts: automatic (from eval), analytic (closed forms), cube-map (of the former)")
       ->check(CLI::IsMember(bounds_kinds))->capture_default_str();
@@ -182,6 +210,8 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
   app.add_option("--aov", aovs,
                  "Write an auxiliary image, NAME=FILE: albedo, cut-size, depth (m), missing (W/m^2/sr), normal; repeatable")
       ->allow_extra_args(false);
+  app.add_option("--strategy-images", o.strategy_images,
+                 "Write the weighted image of each strategy of bdpt to this folder, for paths of up to 8 edges");
   app.add_option("-D", defines, "Set a $parameter of the scene file, name=value; repeatable")->allow_extra_args(false);
   app.add_option("--exposure", o.exposure, "Stops by which PNG output is brightened")->capture_default_str();
   app.add_flag("--lenient", o.lenient, "Replace unknown materials by grey diffuse ones, with a warning each");
@@ -201,15 +231,24 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
   o.sampler = samplers.at(sampler);
   o.bounds = bounds_kinds.at(bounds);
   if (limit->count() > 0) o.time_limit = time_limit;
+  if (progress->count() > 0) o.progress_images = progress_images;
+  if (o.time_limit && spp->count() == 0) o.spp = k_max_samples;
+  if (o.time_limit && passes->count() == 0 && is_many_light(o.method)) o.passes = k_max_samples;
   if (depth->count() > 0) o.max_depth = max_depth;
   if (!size.empty()) set_size(o, size);
   if (!window.empty()) set_window(o, window);
-  o.weights = !weights.empty() ? weightings.at(weights) : o.method == Method::bdlc ? Weights::four : Weights::standard;
+  if (o.method == Method::ir) {
+    require(weights.empty(), "--weights with method", "ir", "method vpl, which is ir with any weights");
+    o.weights = o.compensates ? Weights::kollig_keller : Weights::standard;
+  } else {
+    o.weights = !weights.empty() ? weightings.at(weights) : o.method == Method::bdlc ? Weights::four : Weights::standard;
+  }
   set_aovs(o, aovs);
   for (const std::string& define : defines) o.defines.insert(split_assignment("-D", define));
   if (o.aovs.contains("missing") && !o.ledger_spp) o.ledger_spp = 64;
   if (o.outputs.empty()) o.outputs.emplace_back("render.exr");
   validate(o);
+  validate_for_method(o);
   return o;
 }
 

@@ -11,7 +11,7 @@
 
 namespace manylight::render {
 
-enum class Method { path, vpl, lightcuts, bdlc };
+enum class Method { path, bdpt, vpl, ir, lightcuts, bdlc };
 enum class Weights { standard, four, residual, kollig_keller, full };
 enum class BoundsKind { automatic, analytic, cube_map };
 enum class Backend { bvh, embree };
@@ -24,7 +24,8 @@ struct Options {
   std::vector<std::string> outputs;
   std::optional<std::uint32_t> width, height;
   std::optional<Window> window;  ///< pixels to render; none: all
-  std::uint32_t spp = 64;
+  std::uint32_t spp = 64;                 ///< at most
+  std::uint32_t passes = 1;               ///< at most; whole images of the many-light methods
   std::uint32_t eye_paths = 64;
   std::uint64_t vpls = 1'000'000;
   std::uint32_t instants = 32;  ///< of the shutter interval, where something moves
@@ -37,20 +38,33 @@ struct Options {
   std::string filter;  ///< box, tent or gaussian; empty: from the file
   std::uint64_t seed = 0;
   std::uint32_t threads = 0;
-  std::optional<double> time_limit;  ///< s
+  std::optional<double> time_limit;       ///< s
+  std::optional<double> progress_images;  ///< s between them; none: no images before the last one
   Weights weights = Weights::four;
   BoundsKind bounds = BoundsKind::automatic;  ///< of materials, in cuts
   double clamp_scale = 1.0 / 800;    ///< 0: no clamp
   double adaptation_luminance = 0;   ///< 0: estimated
   bool hits_after_dirac_only = false;
+  bool compensates = false;          ///< ir gives back what its clamp takes
   std::optional<std::uint32_t> ledger_spp;  ///< samples of the ledger of missing energy; none: no ledger
   std::string stats;
+  std::string strategy_images;  ///< folder; empty: none
   std::map<std::string, std::string> aovs;  ///< name -> file
   std::map<std::string, std::string> defines;
   float exposure = 0;  ///< stops
   bool lenient = false;
   bool quiet = false;
 };
+
+/// Samples or passes where only the time limits them.
+inline constexpr std::uint32_t k_max_samples = 1U << 24U;
+
+[[nodiscard]] constexpr bool is_many_light(Method method) noexcept {
+  return method != Method::path && method != Method::bdpt;
+}
+[[nodiscard]] constexpr bool has_cuts(Method method) noexcept {
+  return method == Method::lightcuts || method == Method::bdlc;
+}
 
 /// As on the command line.
 [[nodiscard]] const char* method_name(Method method);

@@ -34,4 +34,11 @@ void ProgressLine::update(double part) {
   std::fflush(stderr);
 }
 
+void ProgressLine::note(const std::string& text) {
+  if (quiet_) return;
+  const std::lock_guard lock(mutex_);
+  fmt::print(stderr, "{}{}\n", is_open_ ? "\n" : "", text);
+  is_open_ = false;
+}
+
 }  // namespace manylight::render

@@ -30,6 +30,8 @@ class ProgressLine {
   /// Safe to call from several threads.
   void operator()(std::size_t done, std::size_t total) { update(static_cast<double>(done) / static_cast<double>(total)); }
   void update(double part);
+  /// A line of its own.
+  void note(const std::string& text);
 
  private:
   std::string title_;

@@ -39,7 +39,7 @@ template <class Geometry, class Shader, class Media>
     return rays;
   };
   for (const RayCounts& rays : for_each_tile(setup.window, setup.executor, render_tile, NoProgress{})) {
-    add_rays(result, rays);
+    result.statistics.add_rays(rays);
   }
   return images;
 }

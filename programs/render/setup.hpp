@@ -11,28 +11,18 @@
 #include <utility>
 #include <vector>
 
-#ifdef MANYLIGHT_HAS_TBB
-#include "manylight/core/tbb_executor.hpp"
-#endif
 #include "manylight/integrator/film.hpp"
 #include "manylight/path/transfer.hpp"
 #include "manylight/scene/camera.hpp"
 #include "manylight/scene/instants.hpp"
 #include "manylight/scene/scene.hpp"
 #include "render/either_sampler.hpp"
+#include "render/executor.hpp"
 #include "render/file_media.hpp"
 #include "render/job.hpp"
 #include "render/progress.hpp"
 
 namespace manylight::render {
-
-#ifdef MANYLIGHT_HAS_TBB
-using ProgramExecutor = TbbExecutor;
-[[nodiscard]] inline ProgramExecutor make_executor(std::uint32_t threads) { return ProgramExecutor(threads); }
-#else
-using ProgramExecutor = SerialExecutor;
-[[nodiscard]] inline ProgramExecutor make_executor(std::uint32_t) { return {}; }
-#endif
 
 /// Instants<Snapshot>, named only where it is used: it takes no scene that stands still.
 template <class Snapshot>
@@ -52,7 +42,7 @@ struct Setup {
   /// Moves the shapes out of `description`. Throws what scene, camera and window throw for values out of range.
   Setup(scene_file::SceneDescription& description, const Options& chosen)
       : options(chosen),
-        executor(make_executor(chosen.threads)),
+        executor(chosen.threads),
         scene(make_scene(description, instant_times(description, chosen))),
         camera(make_camera(description, instant_times(description, chosen))),
         filter(description.filter),
@@ -172,11 +162,5 @@ struct Setup {
     }
   }
 };
-
-inline void add_rays(JobResult& result, const RayCounts& rays) {
-  auto& json = result.statistics["rays"];
-  json["closest"] = json["closest"].get<std::uint64_t>() + rays.closest;
-  json["shadow"] = json["shadow"].get<std::uint64_t>() + rays.shadow;
-}
 
 }  // namespace manylight::render
