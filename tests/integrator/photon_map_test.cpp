@@ -43,7 +43,7 @@ std::vector<Photon<S>> poisson_photons(S density, IndependentStream<S>& stream) 
 /// deviation 1 / sqrt(k - 2) = 0.1443; the sum of weights has the expectation lambda for every kernel, and also where the
 /// largest radius cuts half of the lookups short. Caught: the farthest photon counted; r_k of such lookups.
 TEST(PhotonDensity, NearestPhotonsOfAPoissonProcess) {
-  constexpr unsigned k_runs = 3000, k_count = 50;
+  constexpr unsigned k_runs = 2500, k_count = 50;
   const S half_full = std::sqrt(50 / (1000 * k_pi<S>));
   RunningMoments inverse_area;
   std::array<RunningMoments, 4> density;
@@ -63,7 +63,7 @@ TEST(PhotonDensity, NearestPhotonsOfAPoissonProcess) {
   }
   const double limit = normal_limit(sidak_level(1e-3, 5));
   EXPECT_NEAR(inverse_area.mean(), 20.408, limit * inverse_area.standard_error());
-  // The standard deviation of 3000 runs is known to 1 / sqrt(6000), with the tails of 1 / r^2 to 2 %.
+  // The standard deviation of 2500 runs is known to 1 / sqrt(5000), with the tails of 1 / r^2 to 2 %.
   EXPECT_NEAR(std::sqrt(inverse_area.variance()) / inverse_area.mean(), 0.1443, 0.1443 * 0.08);
   for (const RunningMoments& moments : density) {
     EXPECT_NEAR(moments.mean(), 1000, limit * moments.standard_error());
