@@ -10,8 +10,8 @@
 #include "integrator/common_scenes.hpp"
 #include "manylight/integrator/photon_map.hpp"
 
-// Density estimates by the nearest photons, and photon mapping with final gather. Comparisons over 16 runs have a false-alarm
-// rate of 1e-3 each; seeds are fixed.
+// Density estimates by the nearest photons, and photon mapping with final gather. Comparisons over 16 runs have a
+// false-alarm rate of 1e-3 each; seeds are fixed.
 
 namespace manylight::test {
 namespace {
@@ -23,8 +23,8 @@ using SmoothSceneType = SmoothScene<Bvh<S>>;
 
 SmoothMaterial<S> matte(S albedo) { return Lambertian<S>{Rgb<S>(albedo)}; }
 
-/// A Poisson process of that density in the square [-0.4, 0.4]^2 of the plane z = 0: of every 4th photon the normal is turned
-/// round, of others it is tilted a little.
+/// A Poisson process of that density in the square [-0.4, 0.4]^2 of the plane z = 0: of every 4th photon the normal is
+/// turned round, of others it is tilted a little.
 std::vector<Photon<S>> poisson_photons(S density, IndependentStream<S>& stream) {
   constexpr S k_area = 0.64;
   std::vector<Photon<S>> photons;
@@ -39,9 +39,10 @@ std::vector<Photon<S>> poisson_photons(S density, IndependentStream<S>& stream) 
   return photons;
 }
 
-/// Reference sheet, section 3.1: lambda = 1000, k = 50: E[1 / (pi r_k^2)] = lambda / (k - 1) = 20.408 with the relative standard
-/// deviation 1 / sqrt(k - 2) = 0.1443; the sum of weights has the expectation lambda for every kernel, and also where the
-/// largest radius cuts half of the lookups short. Caught: the farthest photon counted; r_k of such lookups.
+/// Reference sheet, section 3.1: lambda = 1000, k = 50: E[1 / (pi r_k^2)] = lambda / (k - 1) = 20.408 with the relative
+/// standard deviation 1 / sqrt(k - 2) = 0.1443; the sum of weights has the expectation lambda for every kernel, and
+/// also where the largest radius cuts half of the lookups short. Caught: the farthest photon counted; r_k of such
+/// lookups.
 TEST(PhotonDensity, NearestPhotonsOfAPoissonProcess) {
   constexpr unsigned k_runs = 2500, k_count = 50;
   const S half_full = std::sqrt(50 / (1000 * k_pi<S>));
@@ -129,8 +130,8 @@ SmoothBuilder cube(S albedo) {
   return builder;
 }
 
-/// Photons straight from the walls carry their flux, 24 pi (1 - albedo), and all together 1 / (1 - albedo) of it. Caught: no
-/// division by the survival of roulette.
+/// Photons straight from the walls carry their flux, 24 pi (1 - albedo), and all together 1 / (1 - albedo) of it.
+/// Caught: no division by the survival of roulette.
 TEST(PhotonTrace, FluxIsConserved) {
   constexpr S k_albedo = 0.6;
   const auto scene = cube(k_albedo).build();
@@ -155,9 +156,9 @@ TEST(PhotonTrace, FluxIsConserved) {
   EXPECT_LT(all.standard_error(), 0.01 * all.mean());
 }
 
-/// Irradiance pi all over the cube, next to its edges as well. 3 %: 4000 samples share photons, so that their mean is known to
-/// about 1 %, and 64 probes measure a part of a disc to 2 %. Caught: the covered part taken for all of the disc, which leaves
-/// 0.8 next to edges.
+/// Irradiance pi all over the cube, next to its edges as well. 3 %: 4000 samples share photons, so that their mean is
+/// known to about 1 %, and 64 probes measure a part of a disc to 2 %. Caught: the covered part taken for all of the
+/// disc, which leaves 0.8 next to edges.
 TEST(IrradianceMap, IsEvenUpToTheEdges) {
   const auto scene = cube(0.5).build();
   RayCounts rays;
@@ -191,8 +192,9 @@ Film render_photon_map(const SmoothSceneType& scene, const AnyCamera<S>& camera,
   return film;
 }
 
-/// Reference sheet 7.4: 1 in a cube and in a sphere, with the irradiance found before or at each lookup. 1 %: edges. Of paths
-/// of at most 3 segments 1 - albedo^3. Caught: emitters behind gather rays without the weight; photons of longer paths.
+/// Reference sheet 7.4: 1 in a cube and in a sphere, with the irradiance found before or at each lookup. 1 %: edges. Of
+/// paths of at most 3 segments 1 - albedo^3. Caught: emitters behind gather rays without the weight; photons of longer
+/// paths.
 TEST(PhotonMapping, ClosedFurnace) {
   SmoothBuilder sphere;
   sphere.emit(sphere.sphere({V(0), 1, true}, matte(0.5)), Rgb<S>(0.5));
@@ -217,7 +219,8 @@ TEST(PhotonMapping, ClosedFurnace) {
   }
 }
 
-/// A matte room with a box, a mirror and a ball of glass, whose caustic is one on the floor, seen in the mirror as well.
+/// A matte room with a box, a mirror and a ball of glass, whose caustic is one on the floor, seen in the mirror as
+/// well.
 SmoothBuilder room_with_glass() {
   SmoothBuilder builder;
   builder.mesh(box_mesh<S>({-1, -1, -1}, {1, 1, 1}), matte(0.6));
@@ -229,8 +232,9 @@ SmoothBuilder room_with_glass() {
   return builder;
 }
 
-/// Against path tracing, by blocks of 4 x 4 pixels, with 4 % for the blur of caustics and lookups. The point light has caustics
-/// that paths cannot find: it is left out there. Caught: caustics counted at emitters hit as well; the map of caustics left out.
+/// Against path tracing, by blocks of 4 x 4 pixels, with 4 % for the blur of caustics and lookups. The point light has
+/// caustics that paths cannot find: it is left out there. Caught: caustics counted at emitters hit as well; the map of
+/// caustics left out.
 TEST(PhotonMapping, EqualsPathTracing) {
   SmoothBuilder builder = room_with_glass();
   builder.lights.points.clear();

@@ -9,7 +9,8 @@
 #include "integrator/media_scenes.hpp"
 #include "manylight/integrator/progressive_photon_mapping.hpp"
 
-// Progressive photon mapping, on surfaces and in media. Comparisons have a false-alarm rate of 1e-3 each; seeds are fixed.
+// Progressive photon mapping, on surfaces and in media. Comparisons have a false-alarm rate of 1e-3 each; seeds are
+// fixed.
 
 namespace manylight::test {
 namespace {
@@ -51,8 +52,9 @@ TEST(ProgressiveRadius, ClosedForm) {
   }
 }
 
-/// Reference sheet 7.4 in a sphere, where a ball cuts out pi r^2 exactly: L = 1, with paths of at most 3 segments
-/// 1 - albedo^3, whatever the radius, given or found by a pilot. Caught: photons of one segment too many; emission left out.
+/// Reference sheet 7.4 in a sphere, where a ball cuts out pi r^2 exactly: L = 1, with paths of at most 3 segments 1 -
+/// albedo^3, whatever the radius, given or found by a pilot. Caught: photons of one segment too many; emission left
+/// out.
 TEST(ProgressivePhotonMapping, ClosedFurnace) {
   SmoothBuilder builder;
   builder.emit(builder.sphere({V(0), 1, true}, Lambertian<S>{Rgb<S>(0.5)}), Rgb<S>(0.5));
@@ -77,8 +79,8 @@ TEST(ProgressivePhotonMapping, ClosedFurnace) {
   }
 }
 
-/// Light of a point that only photons bring through the glass of a cover; against the closed form without it: straight light
-/// that goes through a flat sheet of glass of index 1 is the same. Caught: the walk stopped at Dirac lobes.
+/// Light of a point that only photons bring through the glass of a cover; against the closed form without it: straight
+/// light that goes through a flat sheet of glass of index 1 is the same. Caught: the walk stopped at Dirac lobes.
 TEST(ProgressivePhotonMapping, PointLightBehindSheets) {
   SmoothBuilder builder;
   builder.mesh(parallelogram<S>({0, 0, 0}, {5, 0, 0}, {0, 5, 0}), Lambertian<S>{Rgb<S>(0.5)});
@@ -93,7 +95,8 @@ TEST(ProgressivePhotonMapping, PointLightBehindSheets) {
   config.alpha = 0.9;
   RunningMoments mean;
   for (unsigned run = 0; run < 16; ++run) mean.add(render_passes(scene, camera, config, 12, run).pixels[0].x);
-  // Reference sheet 7.1; the irradiance's Laplacian over it is 0.75 at d = 1, so that the mean over a disc is 0.75 r^2 / 8 above.
+  // Reference sheet 7.1; the irradiance's Laplacian over it is 0.75 at d = 1, so that the mean over a disc is 0.75 r^2
+  // / 8 above.
   EXPECT_NEAR(mean.mean(), 0.0562698, student_limit(1e-3, 15) * mean.standard_error() + 0.01 * 0.0562698);
   EXPECT_LT(mean.standard_error(), 0.04 * mean.mean());
 }
@@ -127,8 +130,9 @@ TEST(ProgressivePhotonMapping, EqualsPathTracing) {
   EXPECT_LT(error, 0.02 * path.mean());
 }
 
-/// Photons in media, of fog that scatters forward and of fibers whose coefficient depends on the direction, against path
-/// tracing in a room full of them: 5 % for walls, which cut balls and discs. Caught: pi r^3 for 4/3 pi r^3; sigma_s left out.
+/// Photons in media, of fog that scatters forward and of fibers whose coefficient depends on the direction, against
+/// path tracing in a room full of them: 5 % for walls, which cut balls and discs. Caught: pi r^3 for 4/3 pi r^3;
+/// sigma_s left out.
 TEST(ProgressivePhotonMapping, MediaEqualPathTracing) {
   const V low(-1), high(1);
   for (const FoggyMedium& medium : {FoggyMedium(fog(0.1, 0.8, 0.5)), FoggyMedium(striped_cloth(low, high, 2, 0.8, 0.2))}) {

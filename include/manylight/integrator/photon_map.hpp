@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Photon mapping with final gather [Jensen 2001b, chapters 7 to 9]. Which part of the light at a vertex x of the eye walk is
-// found how, x being the first that is not a Dirac lobe's:
+// Photon mapping with final gather [Jensen 2001b, chapters 7 to 9]. Which part of the light at a vertex x of the eye
+// walk is found how, x being the first that is not a Dirac lobe's:
 //
 //   light of an emitter at x      drawn lights and gather rays that hit emitters, by the balance heuristic
 //   the same through Dirac lobes  map of caustics at x
 //   all else                      gather rays from x; at their next vertex y the map of all photons
 //
-// Where the map cannot do it, y is treated as x is, with one gather ray: at glossy surfaces, and where y is nearer to x than the
-// radius of its lookup, as in corners, whose blur would be seen. Gather rays follow Dirac lobes, behind which emitters do not
-// count: that light is in the map of caustics of the vertex before.
+// Where the map cannot do it, y is treated as x is, with one gather ray: at glossy surfaces, and where y is nearer to x
+// than the radius of its lookup, as in corners, whose blur would be seen. Gather rays follow Dirac lobes, behind which
+// emitters do not count: that light is in the map of caustics of the vertex before.
 
 #include <cmath>
 #include <cstdint>
@@ -256,8 +256,8 @@ class PhotonMapIntegrator {
 };
 
 /// Sums samples [first, first + count) of every pixel of `window` into `sums` (row by row, W/m^2/sr): call it with
-/// consecutive ranges to refine an image, which keeps the error of the maps; the split into ranges does not change it. Throws
-/// ParameterError unless the window lies in the film and `sums` has a place for each of its pixels.
+/// consecutive ranges to refine an image, which keeps the error of the maps; the split into ranges does not change it.
+/// Throws ParameterError unless the window lies in the film and `sums` has a place for each of its pixels.
 template <class Scene, Camera C, Sampler Random, Executor Exec, class Progress = NoProgress>
 PathStatistics accumulate_photon_map_samples(const PhotonMapIntegrator<Scene>& integrator, const C& camera,
                                              const ReconstructionFilter<typename Scene::Scalar>& filter,

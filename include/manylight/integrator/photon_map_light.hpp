@@ -24,7 +24,8 @@ struct PhotonMapConfig {
   double max_caustic_radius = 0;  ///< of a lookup of caustics, m; 0: 1/100 of it
   unsigned gather_rays = 16;               ///< per camera sample
   unsigned light_samples = 4;              ///< per camera sample
-  /// Gather rays go on from vertices whose density of directions passes this, sr^-1, as photons would be too few for them.
+  /// Gather rays go on from vertices whose density of directions passes this, sr^-1, as photons would be too few for
+  /// them.
   double glossy_pdf = 1;
   unsigned irradiance_stride = 4;  ///< irradiance is found at every n-th photon, for Lambertian surfaces; 0: nowhere
   PhotonKernel kernel = PhotonKernel::constant;

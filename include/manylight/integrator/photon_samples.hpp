@@ -14,8 +14,9 @@
 namespace manylight {
 namespace detail {
 
-/// Whether the density of directions at `hit` passes `limit` (sr^-1) in one of the directions where lobes peak: mirrored,
-/// back and straight on. A function of the vertex alone, so that methods may treat glossy vertices in their own way.
+/// Whether the density of directions at `hit` passes `limit` (sr^-1) in one of the directions where lobes peak:
+/// mirrored, back and straight on. A function of the vertex alone, so that methods may treat glossy vertices in their
+/// own way.
 template <class Hit, std::floating_point S>
 [[nodiscard]] bool is_glossy(const Hit& hit, const Vec3<S>& wo, S limit) noexcept {
   const Vec3<S> mirrored = hit.frame.n * (S(2) * glm::dot(wo, hit.frame.n)) - wo;
@@ -23,8 +24,9 @@ template <class Hit, std::floating_point S>
          direction_pdf(hit, -wo, wo) > limit;
 }
 
-/// Adds `radiance(ray, pixel, stream, rays)` of the samples [first, first + count) of every pixel of `window` to `sums`, row by
-/// row. Throws ParameterError unless the window lies in the film and `sums` has a place for each of its pixels.
+/// Adds `radiance(ray, pixel, stream, rays)` of the samples [first, first + count) of every pixel of `window` to
+/// `sums`, row by row. Throws ParameterError unless the window lies in the film and `sums` has a place for each of its
+/// pixels.
 template <class S, Camera C, Sampler Random, Executor Exec, class Radiance, class Progress>
 PathStatistics accumulate_samples(const C& camera, const ReconstructionFilter<S>& filter, const Window& window,
                                   const Random& sampler, Stage stage, std::uint32_t first, std::uint32_t count,

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Progressive photon mapping in its probabilistic form [Knaus and Zwicker 2011]: independent passes, each with light paths
-// of its own and one eye walk per pixel, which ends at its first vertex that is not a mirror or smooth glass and sums the
-// photons within a radius. The image is the mean over passes; the radius shrinks from pass to pass, so that variance and bias
-// both vanish, at any number of passes in the same memory.
+// Progressive photon mapping in its probabilistic form [Knaus and Zwicker 2011]: independent passes, each with light
+// paths of its own and one eye walk per pixel, which ends at its first vertex that is not a mirror or smooth glass and
+// sums the photons within a radius. The image is the mean over passes; the radius shrinks from pass to pass, so that
+// variance and bias both vanish, at any number of passes in the same memory.
 //
 //   surface  r_i^2 = r_1^2 Gamma(i + alpha) / (Gamma(1 + alpha) Gamma(i + 1)),  r_{i+1}^2 = r_i^2 (i + alpha) / (i + 1)
 //   medium   r_i^3 = the same of r_1^3, with an alpha of its own
 //
-// A pass has variance 1 / r^d and bias r^2. With r^d ~ i^(alpha - 1) the mean over I passes has variance ~ I^-alpha and bias
-// ~ I^(2 (alpha - 1) / d); variance and squared bias fall alike for alpha = 2/3 on surfaces, 4/7 in media.
+// A pass has variance 1 / r^d and bias r^2. With r^d ~ i^(alpha - 1) the mean over I passes has variance ~ I^-alpha and
+// bias ~ I^(2 (alpha - 1) / d); variance and squared bias fall alike for alpha = 2/3 on surfaces, 4/7 in media.
 
 #include <cmath>
 #include <cstdint>
@@ -108,8 +108,8 @@ class ProgressivePhotonIntegrator {
     return emitted + merged;
   }
 
-  /// r_1 at the end of an eye walk: where the nearest photons of `pilot` end, at most 1/10 of the scene's radius, which is also
-  /// that of walks which merge nowhere.
+  /// r_1 at the end of an eye walk: where the nearest photons of `pilot` end, at most 1/10 of the scene's radius, which
+  /// is also that of walks which merge nowhere.
   template <SampleStream Stream>
   [[nodiscard]] S nearest_radius(const Ray<S>& ray, const PhotonMap<Photon<S>>& pilot, NearestPhotons<S>& scratch,
                                  Stream& stream, RayCounts& rays) const {
@@ -194,8 +194,8 @@ class ProgressivePhotonIntegrator {
   ProgressivePhotonConfig config_;
 };
 
-/// r_1 of every pixel of `window`, row by row, m. Pilot light paths and eye walks have random numbers of their own: a radius
-/// that depended on the photons it counts would bias the image.
+/// r_1 of every pixel of `window`, row by row, m. Pilot light paths and eye walks have random numbers of their own: a
+/// radius that depended on the photons it counts would bias the image.
 template <class Scene, Camera C, Sampler Random, Executor Exec>
 [[nodiscard]] std::vector<typename Scene::Scalar> initial_photon_radii(
     const ProgressivePhotonIntegrator<Scene>& integrator, const C& camera,
@@ -223,10 +223,10 @@ template <class Scene, Camera C, Sampler Random, Executor Exec>
   return radii;
 }
 
-/// Adds the passes [first, first + count) of every pixel of `window` to `sums` (row by row, W/m^2/sr), which divided by the
-/// number of passes is the image: call it with consecutive ranges to refine it; neither the split into ranges nor the executor
-/// changes a bit. `radii`: by `initial_photon_radii`. Throws ParameterError unless the window lies in the film, `sums` and
-/// `radii` have a place for each of its pixels, and every radius is above 0.
+/// Adds the passes [first, first + count) of every pixel of `window` to `sums` (row by row, W/m^2/sr), which divided by
+/// the number of passes is the image: call it with consecutive ranges to refine it; neither the split into ranges nor
+/// the executor changes a bit. `radii`: by `initial_photon_radii`. Throws ParameterError unless the window lies in the
+/// film, `sums` and `radii` have a place for each of its pixels, and every radius is above 0.
 template <class Scene, Camera C, Sampler Random, Executor Exec, class Progress = NoProgress>
 PathStatistics accumulate_photon_passes(const ProgressivePhotonIntegrator<Scene>& integrator, const C& camera,
                                         const ReconstructionFilter<typename Scene::Scalar>& filter,

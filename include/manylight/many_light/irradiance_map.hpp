@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Irradiance found once, at photons, for all lookups that come near them [Christensen 1999]. As it is found only once, edges
-// may cost something there: the part of the disc that has photons at all is measured by rays.
+// Irradiance found once, at photons, for all lookups that come near them [Christensen 1999]. As it is found only once,
+// edges may cost something there: the part of the disc that has photons at all is measured by rays.
 
 #include <algorithm>
 #include <cmath>
@@ -71,8 +71,8 @@ class IrradianceEstimator {
                                           neighbours_.emplace_back(&p, weight);
                                           sum_of_offsets += p.position - here.position;
                                         });
-    // Evenly spread photons have their centroid within this of the centre but for 1 in exp(4): each of its two coordinates has
-    // the standard deviation r / (2 sqrt(n)). In half a disc it lies at 0.42 r.
+    // Evenly spread photons have their centroid within this of the centre but for 1 in exp(4): each of its two
+    // coordinates has the standard deviation r / (2 sqrt(n)). In half a disc it lies at 0.42 r.
     const auto count = static_cast<S>(neighbours_.size());
     const bool may_be_at_edge = glm::dot(sum_of_offsets, sum_of_offsets) > S(2) * count * sqr(sample.radius);
     const S covered = may_be_at_edge ? covered_part(here, sample.radius) : S(1);
@@ -93,8 +93,8 @@ class IrradianceEstimator {
     ++rays_.shadow;
     return !scene_.geometry().any_hit({here.position + here.ng * (k_height * radius), offset, S(0), S(1)});
   }
-  /// Integral of the kernel over that part of the disc which is seen from its centre and reflects light in a way that leaves
-  /// photons, by probes at 64 points of a spiral. At least 1/8: the estimate of a sliver.
+  /// Integral of the kernel over that part of the disc which is seen from its centre and reflects light in a way that
+  /// leaves photons, by probes at 64 points of a spiral. At least 1/8: the estimate of a sliver.
   [[nodiscard]] S covered_part(const Photon<S>& here, S radius) {
     constexpr int k_probes = 64;
     const Frame<S> frame(here.ng);

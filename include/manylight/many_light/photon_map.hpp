@@ -26,15 +26,15 @@ struct Photon {
   Vec3<S> position{0};
   Vec3<S> wi{0, 0, 1};  ///< unit, towards where it came from
   Vec3<S> ng{0, 0, 1};  ///< geometric normal on the side of `wi`
-  /// W. On a surface flux times |wi.ns| / |wi.ng|, so that radiance is the sum of f power per area; in a medium flux that is
-  /// scattered, so that the sum of f_p power per volume is the radiance that is added per metre.
+  /// W. On a surface flux times |wi.ns| / |wi.ng|, so that radiance is the sum of f power per area; in a medium flux
+  /// that is scattered, so that the sum of f_p power per volume is the radiance that is added per metre.
   Rgb<S> power{0};
   std::uint16_t edges = 0;  ///< segments behind it, from the light on
   bool is_caustic = false;  ///< all of its vertices were Dirac lobes, at least one
 };
 
-/// The part of a surface whose photons count for a point: what is within a ball and a slab of a tenth of its radius, and
-/// faces the normal within 60 degrees. In the metric of `squared_distance` it is a ball of that radius.
+/// The part of a surface whose photons count for a point: what is within a ball and a slab of a tenth of its radius,
+/// and faces the normal within 60 degrees. In the metric of `squared_distance` it is a ball of that radius.
 template <std::floating_point S>
 struct PhotonDisc {
   Vec3<S> center{0};
@@ -108,8 +108,8 @@ template <std::floating_point S>
 template <std::floating_point S>
 using NearestPhotons = std::vector<std::pair<S, std::uint32_t>>;
 
-/// Records with `position` and `ng`, found by place. Immutable; queries may run at the same time and give the records in an
-/// order that depends on the map and the query alone.
+/// Records with `position` and `ng`, found by place. Immutable; queries may run at the same time and give the records
+/// in an order that depends on the map and the query alone.
 template <class Record>
 class PhotonMap {
  public:
@@ -209,10 +209,11 @@ template <std::floating_point S>
   return uniform;
 }
 
-/// Calls `add(record, weight per area)` for the `count` records nearest to `disc` and returns the radius of the estimate, m.
-/// Free of bias where their density is even: the farthest only tells the radius, as the k - 1 others are evenly spread within
-/// it; where less than k lie within `max_radius`, all of them count within that radius. In both cases together the expectation
-/// of the sum of weights is the density lambda: lambda P(N >= k - 1) + lambda P(N < k - 1), N the number within `max_radius`.
+/// Calls `add(record, weight per area)` for the `count` records nearest to `disc` and returns the radius of the
+/// estimate, m. Free of bias where their density is even: the farthest only tells the radius, as the k - 1 others are
+/// evenly spread within it; where less than k lie within `max_radius`, all of them count within that radius. In both
+/// cases together the expectation of the sum of weights is the density lambda: lambda P(N >= k - 1) + lambda P(N < k -
+/// 1), N the number within `max_radius`.
 template <class Record, class Add, std::floating_point S = typename Record::Scalar>
 S estimate_by_nearest(const PhotonMap<Record>& map, const PhotonDisc<S>& disc, std::size_t count, S max_radius,
                       PhotonKernel kernel, NearestPhotons<S>& scratch, const Add& add) {

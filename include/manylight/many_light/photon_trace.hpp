@@ -55,7 +55,8 @@ class PhotonSink {
 }  // namespace detail
 
 /// Traces the light paths of one `pass`; every pass has its own random numbers. The power of the photons is that of the
-/// whole set: those that come straight from lights in a closed room add up to the lights' flux. The roulette is that of VPLs.
+/// whole set: those that come straight from lights in a closed room add up to the lights' flux. The roulette is that of
+/// VPLs.
 template <class Scene, Sampler Random, Executor Exec>
 [[nodiscard]] PhotonSet<typename Scene::Scalar> trace_photons(const Scene& scene, const PhotonPaths& paths,
                                                               std::uint64_t pass, const Random& sampler,
