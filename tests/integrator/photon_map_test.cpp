@@ -41,8 +41,7 @@ std::vector<Photon<S>> poisson_photons(S density, IndependentStream<S>& stream) 
 
 /// Reference sheet, section 3.1: lambda = 1000, k = 50: E[1 / (pi r_k^2)] = lambda / (k - 1) = 20.408 with the relative
 /// standard deviation 1 / sqrt(k - 2) = 0.1443; the sum of weights has the expectation lambda for every kernel, and
-/// also where the largest radius cuts half of the lookups short. Caught: the farthest photon counted; r_k of such
-/// lookups.
+/// also where the largest radius cuts half of the lookups short. Caught: the farthest photon counted.
 TEST(PhotonDensity, NearestPhotonsOfAPoissonProcess) {
   constexpr unsigned k_runs = 2500, k_count = 50;
   const S half_full = std::sqrt(50 / (1000 * k_pi<S>));
@@ -72,7 +71,7 @@ TEST(PhotonDensity, NearestPhotonsOfAPoissonProcess) {
   }
 }
 
-/// The same by looking at all photons: sides, slab and ball. Caught: the slab left out; the ball's limit not lowered.
+/// The same by looking at all photons: sides, slab and ball. Caught: the slab left out.
 TEST(PhotonDensity, QueriesEqualALookAtAll) {
   auto stream = IndependentSampler<S>{2}.stream(Stage::test, 0);
   std::vector<Photon<S>> photons;
@@ -157,8 +156,8 @@ TEST(PhotonTrace, FluxIsConserved) {
 }
 
 /// Irradiance pi all over the cube, next to its edges as well. 3 %: 4000 samples share photons, so that their mean is
-/// known to about 1 %, and 64 probes measure a part of a disc to 2 %. Caught: the covered part taken for all of the
-/// disc, which leaves 0.8 next to edges.
+/// known to about 1 %, and 64 probes measure a part of a disc to 2 %. Caught: the covered part taken for all of
+/// the disc.
 TEST(IrradianceMap, IsEvenUpToTheEdges) {
   const auto scene = cube(0.5).build();
   RayCounts rays;

@@ -17,7 +17,7 @@ using S = double;
 /// floor, whose irradiance is so curved below them that both parts count; the exact radiance is albedo / pi (reference
 /// sheet 7.1; the lights are 20 m apart, which adds 1e-4 of it). 15 %: the error of 32 runs at 4 probes is known to
 /// about 1 / sqrt(2 32 4) = 6 %, so the slope over a factor of 64 to 0.02, and the first passes are not yet the limit.
-/// Caught: alpha 0.5 for variance alone falls short, a radius that stays the same.
+/// Caught: a radius that stays the same.
 TEST(ProgressivePhotonMapping, ErrorFallsWithTheCubeRootOfPasses) {
   SceneBuilder<Bvh<S>, Lambertian<S>> builder;
   builder.mesh(parallelogram<S>({0, 0, 0}, {40, 0, 0}, {0, 40, 0}), Lambertian<S>{Rgb<S>(0.5)});

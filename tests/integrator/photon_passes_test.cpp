@@ -53,8 +53,7 @@ TEST(ProgressiveRadius, ClosedForm) {
 }
 
 /// Reference sheet 7.4 in a sphere, where a ball cuts out pi r^2 exactly: L = 1, with paths of at most 3 segments 1 -
-/// albedo^3, whatever the radius, given or found by a pilot. Caught: photons of one segment too many; emission left
-/// out.
+/// albedo^3, whatever the radius, given or found by a pilot. Caught: emission left out.
 TEST(ProgressivePhotonMapping, ClosedFurnace) {
   SmoothBuilder builder;
   builder.emit(builder.sphere({V(0), 1, true}, Lambertian<S>{Rgb<S>(0.5)}), Rgb<S>(0.5));
@@ -131,8 +130,8 @@ TEST(ProgressivePhotonMapping, EqualsPathTracing) {
 }
 
 /// Photons in media, of fog that scatters forward and of fibers whose coefficient depends on the direction, against
-/// path tracing in a room full of them: 5 % for walls, which cut balls and discs. Caught: pi r^3 for 4/3 pi r^3;
-/// sigma_s left out.
+/// path tracing in a room full of them: 5 % for walls, which cut balls and discs. Caught: pi r^3 for
+/// 4/3 pi r^3.
 TEST(ProgressivePhotonMapping, MediaEqualPathTracing) {
   const V low(-1), high(1);
   for (const FoggyMedium& medium : {FoggyMedium(fog(0.1, 0.8, 0.5)), FoggyMedium(striped_cloth(low, high, 2, 0.8, 0.2))}) {
@@ -164,7 +163,7 @@ TEST(ProgressivePhotonMapping, MediaEqualPathTracing) {
   }
 }
 
-/// Neither the split of passes into ranges nor a window changes a bit.
+/// The split of passes into ranges does not change a bit.
 TEST(ProgressivePhotonMapping, RangesAndBadParameters) {
   SmoothBuilder builder;
   builder.emit(builder.sphere({V(0), 1, true}, Lambertian<S>{Rgb<S>(0.5)}), Rgb<S>(0.5));

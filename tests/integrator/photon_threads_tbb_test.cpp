@@ -11,8 +11,7 @@
 namespace manylight::test {
 namespace {
 
-/// 1, 2 and 7 threads give the bits of the serial executor, in maps of many tasks and films of 9 tiles. Caught: photons
-/// appended as tasks end.
+/// 1, 2 and 7 threads give the bits of the serial executor, in maps of many tasks and films of 9 tiles.
 TEST(PhotonThreads, ImagesAreEqualToTheBit) {
   using S = float;
   SceneBuilder<Bvh<S>, SmoothMaterial<S>> builder;
