@@ -31,6 +31,8 @@ template <std::floating_point S>
 struct DirectionSample;
 template <std::floating_point S>
 struct Lambertian;
+template <std::floating_point S>
+struct Photon;
 struct SerialExecutor;
 
 }  // namespace manylight

@@ -18,7 +18,7 @@
 #include "manylight/core/sampler.hpp"
 #include "programs/program_run.hpp"
 
-namespace manylight {
+namespace manylight::passes_test {
 namespace {
 
 using test::bytes_of;
@@ -203,4 +203,4 @@ TEST_F(Passes, TwoSignalsAtOnceAreOne) {
 }
 
 }  // namespace
-}  // namespace manylight
+}  // namespace manylight::passes_test

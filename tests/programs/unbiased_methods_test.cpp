@@ -9,7 +9,7 @@
 #include "metrics/t_test.hpp"
 #include "programs/program_run.hpp"
 
-namespace manylight {
+namespace manylight::unbiased_methods_test {
 namespace {
 
 using test::floor_scene;
@@ -127,4 +127,4 @@ TEST_F(UnbiasedMethods, CompensatedInstantRadiosityIsPathTracing) {
 }
 
 }  // namespace
-}  // namespace manylight
+}  // namespace manylight::unbiased_methods_test

@@ -33,14 +33,14 @@ template <class Scene>
 }
 
 /// Traces one light subpath and appends its VPLs (strength N I, so not yet divided by the number of paths) to `out`.
-/// Keeps VPLs with at most `max_edges - 2` segments behind them: no longer path can be connected.
-template <class Scene, SampleStream Stream>
+/// Keeps VPLs with at most `max_edges - 2` segments behind them: no longer path can be connected. `Sink`: what has
+/// `push_back`; if it has `scattered(is_delta)` too, that is told every direction drawn and ends the path by false.
+template <class Scene, SampleStream Stream, class Sink = std::vector<VertexOf<Scene>>>
 class LightSubpath {
  public:
   using S = typename Scene::Scalar;
 
-  LightSubpath(const Scene& scene, unsigned max_edges, Stream& stream, RayCounts& rays,
-               std::vector<VertexOf<Scene>>& out)
+  LightSubpath(const Scene& scene, unsigned max_edges, Stream& stream, RayCounts& rays, Sink& out)
       : scene_(scene), max_edges_(max_edges), stream_(stream), rays_(rays), out_(out) {}
 
   void trace() {
@@ -125,6 +125,9 @@ class LightSubpath {
   bool leave(WalkState<S>& walk, const Hit& hit, const Vec3<S>& wi) {
     const std::optional<ScatterSample<S>> sample = sample_scatter<Scene>(hit, wi, Walk::light, stream_);
     if (!sample) return false;
+    if constexpr (requires { out_.scattered(true); }) {
+      if (!out_.scattered(sample->is_delta)) return false;
+    }
     continue_walk(scene_, walk, hit, *sample);
     return true;
   }
@@ -146,7 +149,7 @@ class LightSubpath {
   unsigned max_edges_;
   Stream& stream_;
   RayCounts& rays_;
-  std::vector<VertexOf<Scene>>& out_;
+  Sink& out_;
 };
 
 }  // namespace manylight
