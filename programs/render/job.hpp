@@ -24,10 +24,11 @@ struct JobResult {
 /// Methods that are instantiated together for a kind of scene.
 enum class MethodGroup {
   any_scene,      ///< path, vpl, ir, lightcuts, bdlc
-  no_subsurface,  ///< bdpt: scenes whose shaders know no subsurface scattering
+  no_subsurface,  ///< bdpt, pppm, photonmap: scenes whose shaders know no subsurface scattering
 };
 [[nodiscard]] constexpr MethodGroup group_of(Method method) noexcept {
-  return method == Method::bdpt ? MethodGroup::no_subsurface : MethodGroup::any_scene;
+  const bool knows_subsurface = method != Method::bdpt && method != Method::pppm && method != Method::photonmap;
+  return knows_subsurface ? MethodGroup::any_scene : MethodGroup::no_subsurface;
 }
 
 /// Renders `description` (whose shapes are moved from) as the options say, by a method of the given group, on the given

@@ -5,6 +5,7 @@
 #include "render/render_bidirectional.hpp"
 #include "render/render_many_light.hpp"
 #include "render/render_path.hpp"
+#include "render/render_photons.hpp"
 
 namespace manylight::render {
 
@@ -16,7 +17,15 @@ JobResult run_job(scene_file::SceneDescription& description, const Options& opti
   result.statistics.set_seconds("build", clock.seconds());
   render_aovs(setup, result);
   if constexpr (group == MethodGroup::no_subsurface) {
-    render_bidirectional(setup, result);
+    if (options.method == Method::pppm) {
+      render_progressive_photons(setup, result);
+    } else if (options.method == Method::bdpt) {
+      render_bidirectional(setup, result);
+    } else if constexpr (!Media::k_exist) {
+      render_photon_map(setup, result);
+    } else {
+      throw ParameterError("--method photonmap", "for a scene with media or motion or mixed materials", "any other");
+    }
   } else if (options.method == Method::path) {
     render_path(setup, result);
   } else {

@@ -88,6 +88,8 @@ void validate(const Options& o) {
   require_range<std::uint32_t>("--spp", o.spp, 1, k_max_samples);
   require_range<std::uint32_t>("--passes", o.passes, 1, k_max_samples);
   require_range<std::uint32_t>("--eye-paths", o.eye_paths, 1, 65536);
+  require_range<std::uint64_t>("--photon-paths", o.photon_paths, 1, 500'000'000);
+  require_range<std::uint32_t>("--gather-rays", o.gather_rays, 1, 65536);
   require_range<std::uint32_t>("--instants", o.instants, 1, 4096);
   require_range<std::uint64_t>("--vpls", o.vpls, 1, 100'000'000);
   require_range<double>("--threshold", o.threshold, 0, 1);
@@ -117,6 +119,8 @@ const char* method_name(Method method) {
   switch (method) {
     case Method::path: return "path";
     case Method::bdpt: return "bdpt";
+    case Method::pppm: return "pppm";
+    case Method::photonmap: return "photonmap";
     case Method::vpl: return "vpl";
     case Method::ir: return "ir";
     case Method::lightcuts: return "lightcuts";
@@ -134,8 +138,8 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
   std::vector<std::string> defines;
   CLI::App app{"Renders a scene file (Mitsuba XML subset) with many-light methods.", "manylight-render"};
   const std::map<std::string, Method> methods{
-      {"path", Method::path}, {"bdpt", Method::bdpt},           {"vpl", Method::vpl},
-      {"ir", Method::ir},     {"lightcuts", Method::lightcuts}, {"bdlc", Method::bdlc}};
+      {"path", Method::path}, {"bdpt", Method::bdpt},           {"pppm", Method::pppm}, {"photonmap", Method::photonmap},
+      {"vpl", Method::vpl},   {"ir", Method::ir},               {"lightcuts", Method::lightcuts}, {"bdlc", Method::bdlc}};
   const std::map<std::string, Weights> weightings{{"standard", Weights::standard},
                                                   {"four", Weights::four},
                                                   {"residual", Weights::residual},
@@ -156,13 +160,17 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
   int max_depth = 0;
   app.add_option("scene", o.scene, "Scene file, .xml")->required();
   app.add_option("-m,--method", method,
-                 "path (reference), bdpt (bidirectional path tracing), vpl (all pairs), ir (instant radiosity), "
-                 "lightcuts (multidimensional), bdlc (bidirectional lightcuts)")
+                 "path (reference), bdpt (bidirectional path tracing), pppm (progressive photon mapping), "
+                 "photonmap (with final gather), vpl (all pairs), ir (instant radiosity), lightcuts (multidimensional), bdlc (bidirectional lightcuts)")
       ->check(CLI::IsMember(methods))->capture_default_str();
   app.add_option("-o,--output", o.outputs, "Image to write: .exr, .pfm (linear) or .png; repeatable")->allow_extra_args(false);
   app.add_option("--size", size, "Image size in pixels, WxH [from the file]");
   app.add_option("--window", window, "Pixels to render, x0,y0,x1,y1 (x1, y1 excluded) [the whole image]");
-  auto* spp = app.add_option("--spp", o.spp, "Samples per pixel of path and bdpt [64; with a time limit what it allows]");
+  auto* spp = app.add_option("--spp", o.spp, "Samples per pixel of path, bdpt and photonmap, passes of pppm "
+                                    "[64; with a time limit what it allows]");
+  app.add_option("--photon-paths", o.photon_paths, "Light paths that leave photons: of a pass of pppm, of photonmap's map")
+      ->capture_default_str();
+  app.add_option("--gather-rays", o.gather_rays, "Final gather rays per sample of photonmap")->capture_default_str();
   app.add_option("--instants", o.instants, "Instants of the shutter interval, where something moves")
       ->capture_default_str();
   app.add_option("--eye-paths", o.eye_paths, "Eye paths per pixel and pass of the many-light methods")

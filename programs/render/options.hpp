@@ -11,7 +11,7 @@
 
 namespace manylight::render {
 
-enum class Method { path, bdpt, vpl, ir, lightcuts, bdlc };
+enum class Method { path, bdpt, pppm, photonmap, vpl, ir, lightcuts, bdlc };
 enum class Weights { standard, four, residual, kollig_keller, full };
 enum class BoundsKind { automatic, analytic, cube_map };
 enum class Backend { bvh, embree };
@@ -28,6 +28,8 @@ struct Options {
   std::uint32_t passes = 1;               ///< at most; whole images of the many-light methods
   std::uint32_t eye_paths = 64;
   std::uint64_t vpls = 1'000'000;
+  std::uint64_t photon_paths = 200'000;  ///< light paths of photons: of a pass of pppm, of the map of photonmap
+  std::uint32_t gather_rays = 16;        ///< of photonmap, per sample
   std::uint32_t instants = 32;  ///< of the shutter interval, where something moves
   double threshold = 0.02;
   std::uint32_t max_cut = 20'000;
@@ -60,7 +62,7 @@ struct Options {
 inline constexpr std::uint32_t k_max_samples = 1U << 24U;
 
 [[nodiscard]] constexpr bool is_many_light(Method method) noexcept {
-  return method != Method::path && method != Method::bdpt;
+  return method == Method::vpl || method == Method::ir || method == Method::lightcuts || method == Method::bdlc;
 }
 [[nodiscard]] constexpr bool has_cuts(Method method) noexcept {
   return method == Method::lightcuts || method == Method::bdlc;

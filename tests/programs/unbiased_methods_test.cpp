@@ -120,6 +120,20 @@ TEST_F(UnbiasedMethods, CompensationOnlyAddsToWhatTheClampLeaves) {
   EXPECT_GT(darker, clamped.pixels.size() / 4) << "the clamp does not bind";
 }
 
+// Photons blur and are dark at borders: film means, 3 % apart at most; noise is below 1 %.
+TEST_F(UnbiasedMethods, PhotonMapsAreNearPathTracing) {
+  const auto mean = [&](const std::string& arguments) {
+    double sum = 0;
+    for (const Rgb<float>& pixel : render(shipped("cornell.xml") + " --size 16x16 -m " + arguments).pixels) {
+      sum += static_cast<double>(luminance(pixel));
+    }
+    return sum;
+  };
+  const double truth = mean("path --spp 256");
+  EXPECT_NEAR(mean("pppm --spp 32 --photon-paths 10000"), truth, 0.03 * truth);
+  EXPECT_NEAR(mean("photonmap --spp 16 --photon-paths 20000"), truth, 0.03 * truth);
+}
+
 // Planted bug seen to fail: the same without --compensate.
 TEST_F(UnbiasedMethods, CompensatedInstantRadiosityIsPathTracing) {
   expect_equal_means(write("corner.xml", corner_scene()).string() + " --max-depth 4", "--spp 512",

@@ -64,7 +64,7 @@ template <class Scene, Sampler Random, Executor Exec>
   static_assert(!Scene::k_has_subsurface,
                 "manylight::trace_photons: photon maps know no subsurface scattering; a scene whose shader has a "
                 "Subsurface is rendered by PathIntegrator or by bidirectional lightcuts");
-  static_assert(!Scene::k_moves,
+  static_assert(!requires { scene.instants(); },
                 "manylight::trace_photons: photon maps know no motion; a scene in motion is rendered by PathIntegrator, "
                 "BidirectionalPathIntegrator or by lightcuts");
   using S = typename Scene::Scalar;
