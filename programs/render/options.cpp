@@ -138,8 +138,9 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
   std::vector<std::string> defines;
   CLI::App app{"Renders a scene file (Mitsuba XML subset) with many-light methods.", "manylight-render"};
   const std::map<std::string, Method> methods{
-      {"path", Method::path}, {"bdpt", Method::bdpt},           {"pppm", Method::pppm}, {"photonmap", Method::photonmap},
-      {"vpl", Method::vpl},   {"ir", Method::ir},               {"lightcuts", Method::lightcuts}, {"bdlc", Method::bdlc}};
+      {"path", Method::path},           {"bdpt", Method::bdpt}, {"pppm", Method::pppm},
+      {"photonmap", Method::photonmap}, {"vpl", Method::vpl},   {"ir", Method::ir},
+      {"lightcuts", Method::lightcuts}, {"bdlc", Method::bdlc}};
   const std::map<std::string, Weights> weightings{{"standard", Weights::standard},
                                                   {"four", Weights::four},
                                                   {"residual", Weights::residual},
@@ -161,7 +162,8 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
   app.add_option("scene", o.scene, "Scene file, .xml")->required();
   app.add_option("-m,--method", method,
                  "path (reference), bdpt (bidirectional path tracing), pppm (progressive photon mapping), "
-                 "photonmap (with final gather), vpl (all pairs), ir (instant radiosity), lightcuts (multidimensional), bdlc (bidirectional lightcuts)")
+                 "photonmap (with final gather), vpl (all pairs), ir (instant radiosity), "
+                 "lightcuts (multidimensional), bdlc (bidirectional lightcuts)")
       ->check(CLI::IsMember(methods))->capture_default_str();
   app.add_option("-o,--output", o.outputs, "Image to write: .exr, .pfm (linear) or .png; repeatable")->allow_extra_args(false);
   app.add_option("--size", size, "Image size in pixels, WxH [from the file]");

@@ -33,6 +33,9 @@ class RenderProgram : public ScratchTest {
   }
 };
 
+/// Samples, photons and virtual lights of quick runs.
+const char* const k_few = " --spp 2 --photon-paths 500 --eye-paths 2 --vpls 300";
+
 TEST_F(RenderProgram, EveryMethodWritesEveryFormatAndStatistics) {
   const std::string scene = write("floor.xml", floor_scene()).string();
   for (const std::string method : {"path", "bdpt", "pppm", "photonmap", "vpl", "ir", "lightcuts", "bdlc"}) {
@@ -66,8 +69,8 @@ TEST_F(RenderProgram, SameSeedSameBitsWhateverTheThreads) {
   for (const std::string method : {"path", "bdpt", "pppm", "photonmap", "vpl", "lightcuts", "bdlc"}) {
     std::vector<Rgb<float>> first;
     for (const std::string threads : {"1", "2", "7"}) {
-      const ProgramRun run = render(scene + " -q --size 40x30 -m " + method + " --spp 2 --photon-paths 500 --eye-paths 2 --vpls 300 --threads " +
-                                    threads + " -o " + path("t.pfm").string());
+      const ProgramRun run = render(scene + " -q --size 40x30 -m " + method + k_few + " --threads " + threads +
+                                    " -o " + path("t.pfm").string());
       ASSERT_EQ(run.exit_code, 0) << run.output;
       const std::vector<Rgb<float>> pixels = image_io::read_image(path("t.pfm")).pixels;
       if (first.empty()) first = pixels;
@@ -85,7 +88,7 @@ const char* const k_ball =
 TEST_F(RenderProgram, WindowHasTheBitsOfTheWholeImage) {
   const std::string scene = write("ball.xml", floor_scene(k_ball)).string();
   for (const std::string method : {"path", "bdpt", "pppm", "photonmap", "vpl", "lightcuts", "bdlc"}) {
-    const std::string call = scene + " -q --size 40x30 -m " + method + " --spp 2 --photon-paths 500 --eye-paths 2 --vpls 300 -o ";
+    const std::string call = scene + " -q --size 40x30 -m " + method + k_few + " -o ";
     ASSERT_EQ(render(call + path("all.pfm").string()).exit_code, 0);
     ASSERT_EQ(render(call + path("part.pfm").string() + " --window 13,7,31,29").exit_code, 0);
     const Image<float> all = image_io::read_image(path("all.pfm"));
