@@ -100,7 +100,7 @@ TEST(ProgressivePhotonMapping, PointLightBehindSheets) {
   EXPECT_LT(mean.standard_error(), 0.04 * mean.mean());
 }
 
-/// Blocks of the room against path tracing: 4 % for edges and corners, where discs reach beyond the surface.
+/// Film means of the room against path tracing: 4 % for edges and corners, where discs reach beyond the surface.
 TEST(ProgressivePhotonMapping, EqualsPathTracing) {
   SmoothBuilder builder;
   builder.mesh(box_mesh<S>({-1, -1, -1}, {1, 1, 1}), Lambertian<S>{Rgb<S>(0.6)});
