@@ -7,6 +7,8 @@ option(MANYLIGHT_BUILD_EXAMPLES "Build the examples" ${PROJECT_IS_TOP_LEVEL})
 option(MANYLIGHT_BUILD_BENCHMARKS "Build the benchmarks" OFF)
 option(MANYLIGHT_INSTALL "Install the headers, the CMake package and the programs" ${PROJECT_IS_TOP_LEVEL})
 
+option(MANYLIGHT_RENDER_EMBREE "Offer Embree in manylight-render where it was found: twice the compile time" ON)
+
 foreach(package IN ITEMS EMBREE TBB)
   set(MANYLIGHT_WITH_${package} AUTO CACHE STRING "Use the optional package: AUTO (when found), ON (required) or OFF")
   set_property(CACHE MANYLIGHT_WITH_${package} PROPERTY STRINGS AUTO ON OFF)
