@@ -231,10 +231,7 @@ TEST_F(RenderProgram, RejectsWhatTheMethodDoesNotHave) {
       write("fog.xml", floor_scene("<shape type=\"sphere\"><medium name=\"interior\" type=\"homogeneous\"/></shape>"))
           .string();
   expect_rejected(fog + " -m photonmap -o " + path("x.exr").string(), "media");
-  const std::string swing =
-      write("swing.xml", floor_scene("<shape type=\"sphere\"><animation name=\"to_world\"><transform time=\"0\"/>"
-                                     "<transform time=\"1\"><translate x=\"1\"/></transform></animation></shape>"))
-          .string();
+  const std::string swing = std::string(MANYLIGHT_SOURCE_DIR) + "/examples/scenes/moving_lamp.xml";
   expect_rejected(swing + " -m pppm -o " + path("x.exr").string(), "motion");
   expect_rejected(scene + " -m pppm --photon-paths 0", "--photon-paths");
   expect_rejected(scene + " -m photonmap --gather-rays 0", "--gather-rays");
