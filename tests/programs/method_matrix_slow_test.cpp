@@ -103,7 +103,8 @@ class MethodMatrix : public test::ScratchTest, public ::testing::WithParamInterf
 
 // Student's t of block means (4 x 4 pixels) or, of the biased methods, of film means with a tolerance; false alarms
 // 1e-4 per comparison, of which there are 79, with fixed seeds. No scene holds light that a method cannot find at all,
-// as that of a point light behind glass: those misses are pinned in the tests of the methods.
+// as that of a point light behind glass: those misses are pinned in the tests of the methods. Caught: photons behind a
+// one-sided wall that count in front of it.
 TEST_P(MethodMatrix, AgreesWithPathTracing) {
   write("scene.xml", GetParam().text);
   const metrics::NoisyReference reference{runs("path --spp 256", 100), {}};
@@ -113,7 +114,7 @@ TEST_P(MethodMatrix, AgreesWithPathTracing) {
       {"vpl --weights residual --vpls 100 --eye-paths 16 --passes 4", 0},
       {"lightcuts --weights residual --vpls 300 --eye-paths 16 --passes 4", 0.01},
       {"bdlc --vpls 1000 --eye-paths 16 --passes 4", 0.05},
-      {"pppm --spp 32 --photon-paths 5000", 0.06, k_photons},
+      {"pppm --spp 32 --photon-paths 10000", 0.08, k_photons},
       {"photonmap --spp 8 --photon-paths 20000", 0.05, k_photons | k_final_gather},
   };
   unsigned seed = 200;

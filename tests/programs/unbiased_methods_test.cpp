@@ -120,18 +120,18 @@ TEST_F(UnbiasedMethods, CompensationOnlyAddsToWhatTheClampLeaves) {
   EXPECT_GT(darker, clamped.pixels.size() / 4) << "the clamp does not bind";
 }
 
-// Photons blur and are dark at borders: film means, 3 % apart at most; noise is below 1 %.
+// Photons blur and are dark at borders: means of the half without the lamp, 4 % apart at most, noise 1 % of it.
 TEST_F(UnbiasedMethods, PhotonMapsAreNearPathTracing) {
   const auto mean = [&](const std::string& arguments) {
     double sum = 0;
-    for (const Rgb<float>& pixel : render(shipped("cornell.xml") + " --size 16x16 -m " + arguments).pixels) {
+    for (const Rgb<float>& pixel : render(shipped("cornell.xml") + " --size 16x16 --window 0,8,16,16 -m " + arguments).pixels) {
       sum += static_cast<double>(luminance(pixel));
     }
     return sum;
   };
   const double truth = mean("path --spp 256");
-  EXPECT_NEAR(mean("pppm --spp 32 --photon-paths 10000"), truth, 0.03 * truth);
-  EXPECT_NEAR(mean("photonmap --spp 16 --photon-paths 20000"), truth, 0.03 * truth);
+  EXPECT_NEAR(mean("pppm --spp 32 --photon-paths 10000"), truth, 0.04 * truth);
+  EXPECT_NEAR(mean("photonmap --spp 16 --photon-paths 20000"), truth, 0.04 * truth);
 }
 
 // Planted bug seen to fail: the same without --compensate.

@@ -38,7 +38,9 @@ class PhotonSink {
     const bool is_caustic = only_dirac_ && v.edges >= 2;
     if (only_caustics_ && !is_caustic) return;
     // I = flux alpha |wi.ns| / |wi.ng| on a surface, flux sigma_s times the mean free path's share in a medium.
-    Photon<S> photon{v.position, v.w, v.ng, v.strength / v.alpha, v.edges, is_caustic};
+    // The back of a one-sided surface keeps the normal of its front: its photons must not count there.
+    const Vec3<S> ng = glm::dot(v.ng, v.w) < S(0) ? -v.ng : v.ng;
+    Photon<S> photon{v.position, v.w, ng, v.strength / v.alpha, v.edges, is_caustic};
     (v.is_in_medium() ? out_.medium : out_.surface).push_back(photon);
   }
   [[nodiscard]] bool scattered(bool is_delta) noexcept {
