@@ -24,6 +24,7 @@
 #include "manylight/geometry/bvh.hpp"
 #include "manylight/integrator/bidirectional_lightcuts.hpp"
 #include "manylight/integrator/instant_radiosity.hpp"
+#include "render/file_media.hpp"
 #include "render/file_shader.hpp"
 #include "render/setup.hpp"
 #include "scene_file/load_scene.hpp"
@@ -32,8 +33,6 @@ namespace {
 
 using namespace manylight;
 using namespace manylight::render;
-using SceneSetup = Setup<Bvh<float>, SurfaceFileShader>;
-using SceneType = SceneSetup::SceneType;
 
 struct Arguments {
   std::string scene;
@@ -97,6 +96,10 @@ struct AnyBounds {
               largest(wi, wo, [&](const Vec3<float>& w) { return max_channel(m.eval(w, wo)) * std::abs(w.z); })};
     }
   }
+  template <class P, class W, class V>
+  [[nodiscard]] float sup_phase(const P& phase, const W& w, const V& v) const noexcept {
+    return kind == "analytic" ? AnalyticBounds{}.sup_phase(phase, w, v) : AutomaticBounds{}.sup_phase(phase, w, v);
+  }
 };
 
 struct Moments {
@@ -140,19 +143,21 @@ nlohmann::json measure(const std::vector<Window>& windows, const Render& render)
                          (static_cast<double>(windows.size()) * static_cast<double>(windows.front().pixel_count()))}};
 }
 
-void run(const Arguments& arguments) {
-  Options options;
-  scene_file::SceneDescription description = scene_file::load_scene(arguments.scene, {});
-  description.camera.width = description.camera.height = arguments.side;
-  const SceneSetup setup(description, options);
+template <class Shader, class Media>
+void run(scene_file::SceneDescription& description, const Arguments& arguments) {
+  using SceneType = typename Setup<Bvh<float>, Shader, Media>::SceneType;
+  const Options options;
+  const Setup<Bvh<float>, Shader, Media> setup(description, options);
   for (const std::size_t count : arguments.vpls) {
     ManyLightConfig config;
     config.vpls = count;
     config.eye_paths = arguments.eye_paths;
     config.max_edges = setup.max_edges;
     config.threshold = arguments.threshold;
+    const Stopwatch clock;
     auto lights = prepare_lights(setup.scene, setup.camera, setup.filter, config, setup.sampler, setup.executor);
     const LightTree<SceneType> tree(lights.lights.vpls, setup.executor);
+    const double light_seconds = clock.seconds();
     for (const std::string& method : arguments.methods) {
       for (const std::string& kind : arguments.bounds) {
         const AnyBounds bounds{kind};
@@ -175,12 +180,27 @@ void run(const Arguments& arguments) {
         });
         row["method"] = method;
         row["bounds"] = kind;
+        row["scene_kind"] = Media::k_exist ? "everything" : "surfaces";
+        row["vpl_pass_seconds"] = light_seconds;
         row["vpls"] = tree.vpls().size();
         row["bytes_per_vpl"] = static_cast<double>(tree.bytes()) / static_cast<double>(tree.vpls().size());
         fmt::print("{}\n", row.dump());
         std::fflush(stdout);
       }
     }
+  }
+}
+
+/// The narrower of two kinds of scene that holds what the file has, as manylight-render takes it.
+void run(const Arguments& arguments) {
+  scene_file::SceneDescription description = scene_file::load_scene(arguments.scene, {});
+  description.camera.width = description.camera.height = arguments.side;
+  const bool is_narrow = description.media.empty() && description.subsurfaces.empty() && !description.moves() &&
+                         std::all_of(description.materials.begin(), description.materials.end(), SurfaceFileShader::fits);
+  if (is_narrow) {
+    run<SurfaceFileShader, NoMedia>(description, arguments);
+  } else {
+    run<FullFileShader, FileMedia>(description, arguments);
   }
 }
 
