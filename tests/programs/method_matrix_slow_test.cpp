@@ -144,7 +144,7 @@ INSTANTIATE_TEST_SUITE_P(
                       Case{"LampFog", room(lamp("0.3"), k_fog, pinhole()), k_final_gather},
                       Case{"PointFogLens", room(k_point, k_fog, thin_lens()), k_final_gather},
                       Case{"LampJade", room(lamp("0.3"), k_jade, pinhole()), k_photons | k_final_gather | k_bdpt}),
-    [](const auto& info) { return std::string(info.param.name); });
+    [](const auto& tested) { return std::string(tested.param.name); });
 
 }  // namespace
 }  // namespace manylight::method_matrix_slow_test
