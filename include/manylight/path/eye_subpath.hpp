@@ -122,7 +122,7 @@ class EyeSubpath {
   bool visit(WalkState<S>& walk, const typename W::Record& record, const Hit& hit, unsigned edges, Step& step) {
     if (edges == max_edges_ || !survives(walk, albedo(hit))) return false;
     const bool pruned = is_delta(hit) || !store_sensor(walk, record, hit, edges);
-    if (!pruned) draw_hit(walk, record, hit, edges);
+    if (!pruned) draw_hit(walk, record, hit);
     return leave(walk, record, hit, -walk.ray.direction, pruned, step);
   }
   /// Hands out the sensor at `hit`; false if it and all behind it carry nothing.
@@ -138,8 +138,8 @@ class EyeSubpath {
   /// Draws a light for the vertex, in place of the emitter hit of a walk that leaves it towards that light: where small
   /// lamps are near, only one walk in many hits them, with all of what the clamp left.
   template <class Hit>
-  void draw_hit(const WalkState<S>& walk, const typename W::Record& record, const Hit& hit, unsigned edges) {
-    if (!weighting_.takes_hits() || edges + 1 > max_edges_) return;
+  void draw_hit(const WalkState<S>& walk, const typename W::Record& record, const Hit& hit) {
+    if (!weighting_.takes_hits()) return;
     const Vec3<S> wo = -walk.ray.direction;
     const std::optional<DrawnLight<Scene>> drawn = draw_light(scene_, hit, wo, stream_);
     if (!drawn || drawn->light.is_delta) return;  // no walk hits a light of one direction or place
@@ -166,7 +166,7 @@ class EyeSubpath {
     if (!pruned) visitor_.sensor(Sensor<Scene, W>{vertex, record});
     const S probability = submersion.probability();
     const bool surface_pruned = is_delta(hit) || !store_sensor(walk, record, hit, edges);
-    if (!surface_pruned) draw_hit(walk, record, hit, edges);
+    if (!surface_pruned) draw_hit(walk, record, hit);
     if (!(stream_.next() < probability)) {
       walk.beta /= S(1) - probability;
       return leave(walk, record, hit, -walk.ray.direction, surface_pruned, step);
