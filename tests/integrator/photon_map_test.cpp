@@ -94,7 +94,7 @@ TEST(PhotonDensity, QueriesEqualALookAtAll) {
       const V d = p.position - disc.center;
       const S facing = glm::dot(p.ng, disc.normal);
       if (facing < 0.5 && !(disc.both_sides && facing < -0.5)) continue;
-      const S height = std::abs(glm::dot(d, disc.normal));
+      const S height = std::abs(glm::dot(d, glm::normalize(disc.normal + (facing < 0 ? -p.ng : p.ng))));
       if (glm::length(d) < radius && height < 0.1 * radius) inside.push_back(std::max(glm::length(d), 10 * height));
     }
     std::sort(inside.begin(), inside.end());

@@ -34,7 +34,9 @@ struct Photon {
 };
 
 /// The part of a surface whose photons count for a point: what is within a ball and a slab of a tenth of its radius,
-/// and faces the normal within 60 degrees. In the metric of `squared_distance` it is a ball of that radius.
+/// and faces the normal within 60 degrees. In the metric of `squared_distance` it is a ball of that radius. The slab is
+/// measured along the mean of both normals, to which a chord of a sphere is perpendicular: all of a ball's surface is in
+/// it, whatever the ball's size, and a ball cuts out pi r^2 of a sphere as of a plane.
 template <std::floating_point S>
 struct PhotonDisc {
   Vec3<S> center{0};
@@ -46,7 +48,9 @@ struct PhotonDisc {
   [[nodiscard]] S squared_distance(const Record& record, S squared_euclidean) const noexcept {
     const S facing = glm::dot(record.ng, normal);
     if (!((both_sides ? std::abs(facing) : facing) > S(0.5))) return k_infinity<S>;
-    return std::max(squared_euclidean, S(100) * sqr(glm::dot(record.position - center, normal)));
+    const Vec3<S> mean = facing < S(0) ? normal - record.ng : normal + record.ng;
+    return std::max(squared_euclidean,
+                    S(100) * sqr(glm::dot(record.position - center, mean)) / (S(2) + S(2) * std::abs(facing)));
   }
 };
 /// All that is near, for photons in a medium.
