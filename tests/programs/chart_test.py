@@ -23,6 +23,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 CHART_FOLDER = ROOT / "programs" / "chart"
 CHART = CHART_FOLDER / "manylight-chart"
 CORNELL = ROOT / "examples" / "scenes" / "cornell.xml"
+MOVING_LAMP = ROOT / "examples" / "scenes" / "moving_lamp.xml"
 sys.dont_write_bytecode = True
 sys.path.insert(0, str(CHART_FOLDER))
 
@@ -221,6 +222,70 @@ class Tables(unittest.TestCase):
         self.assertEqual(tables.median([4, 1, 2, 3]), 2.5)
 
 
+def point(seconds, rel_mse):
+    """A rung of a chart as its summary reads it; three seeds, medians as given."""
+    return {"runs": [{"seconds": factor * seconds, "rel_mse": factor * rel_mse} for factor in (1, 0.5, 7)]}
+
+
+class Summaries(Folder):
+    """Oracle: by hand."""
+
+    def written(self, name, noise, methods, **more):
+        """A chart.json with what a summary needs."""
+        (self.folder / name).mkdir(parents=True)
+        chart = {"version": "manylight-render 1", "date": "2026-01-02T03:04:05Z", "scene": "s.xml", "scene_name": "s",
+                 "machine": {"processor": "P", "cores": 2, "system": "S"}, "load": {"least": 0, "most": 1},
+                 "parameters": {"seeds": 3, "clock": "wall"}, "width": 4, "height": 3, "methods": methods,
+                 "reference": {"rel_variance": noise}, "not_applicable": [], **more}
+        (self.folder / name / "chart.json").write_text(json.dumps(chart))
+
+    def rows(self):
+        """Cells of the printed table, and all else that is printed."""
+        run = subprocess.run([str(CHART), "--summary", str(self.folder)], capture_output=True, text=True, check=True)
+        lines = run.stdout.splitlines()
+        table = [[cell.strip() for cell in line.split("|")[1:-1]] for line in lines if line.startswith("| ")]
+        return table[2:], "\n".join(line for line in lines if not line.startswith("| "))
+
+    # Planted bugs seen to fail here: means over seeds, levels within the reference's noise, bias^2 without its error, the
+    # path of the program in a command.
+    def test_one_row_per_scene_and_method(self):
+        falling = [point(1, 0.04), point(4, 0.01), point(16, 0.0025)]  # relMSE 0.04 / seconds
+        biased = [point(1, 0.02), point(4, 0.009)]
+        biased[-1]["split"] = {"rel_bias_squared": {"value": 0.008, "standard_error": 0.001}}
+        unsure = [point(2, 0.009), point(5, 0.004)]
+        unsure[-1]["split"] = {"rel_bias_squared": {"value": 0.004, "standard_error": 0.001}}
+        share = {"against_reference": {"value": 0.021, "standard_error": 0.001}}
+        self.written("b/one", 0.0001, [{"label": "path", "rungs": falling, "missing": None},
+                                       {"label": "vpl", "rungs": biased, "missing": share},
+                                       {"label": "ir", "rungs": unsure, "missing": None}],
+                     command="manylight-chart 'a b.xml' --render /r/m --seeds 3 -q -o /out",
+                     not_applicable=[{"label": "pppm", "reason": "a scene in motion"}])
+        self.written("a", 0.002, [{"label": "path", "rungs": falling, "missing": None}])
+        rows, text = self.rows()
+        self.assertEqual(rows[0], ["a 4x3", "path", "4", "6.67 (to 0.006)", "16", "0.0025", "-", "-"])
+        self.assertEqual(rows[1], ["b/one 4x3", "path", "4", "13.3", "16", "0.0025", "-", "-"])
+        # Between (1, 0.02) and (4, 0.009): 4^(log 2 / log (20 / 9)) = 3.33.
+        self.assertEqual(rows[2], ["b/one 4x3", "vpl", "3.33", "never, bias² 0.008", "4", "0.009",
+                                   "0.008 ± 0.001", "2.1 ± 0.1 %"])
+        self.assertEqual(rows[3], ["b/one 4x3", "ir", "< 2", "> 5", "5", "0.004", "0.004 ± 0.001", "-"])
+        self.assertEqual(rows[4][:3], ["b/one 4x3", "pppm", "not applicable: a scene in motion"])
+        self.assertEqual(len(rows), 5)
+        self.assertIn("Measured with manylight-render 1, P, 2 cores, S.", text)
+        self.assertIn("- b/one, 2026-01-02: 3 seeds, wall seconds, load 0.0 to 1.0; relative variance of the reference "
+                      "0.0001; `manylight-chart 'a b.xml' --seeds 3`", text)
+
+    # Oracle: the chart's own JSON, of the real program.
+    def test_of_a_real_chart(self):
+        self.assertEqual(call(*self.small("c")), (0, ""))
+        chart, (rows, text) = self.read_chart("c"), self.rows()
+        self.assertEqual([row[:2] for row in rows], [["c 16x16", "path"], ["c 16x16", "lightcuts"]])
+        for row, method in zip(rows, chart["methods"]):
+            errors_there = [run["rel_mse"] for run in method["rungs"][-1]["runs"]]
+            self.assertAlmostEqual(float(row[5]), sorted(errors_there)[1], delta=0.06 * sorted(errors_there)[1])
+        self.assertIn(f"`manylight-chart {CORNELL} --width 16", text)
+        self.assertNotIn("--render", text)
+
+
 class Charts(Folder):
     """A tiny scene from end to end."""
 
@@ -274,10 +339,10 @@ class Charts(Folder):
         self.assertEqual(first, chart["methods"][0]["rungs"][0]["runs"][0])
 
     # Oracle: the chart that nobody interrupted. The renderer takes a rest in the middle of its image, so that the calls
-    # are ended there. Planted bug seen to fail here: an image that is there counts
-    # as finished.
+    # are ended there. Planted bugs seen to fail here: an image that is there counts as finished; names of runs hold the
+    # settings in the order of the ladder (photonmap's are not in that of the alphabet).
     def test_resumes_after_kill(self):
-        words = [CORNELL, "--render", self.stand_in(), "--methods", "path,vpl", "--rungs", 2, "--seeds", 3,
+        words = [CORNELL, "--render", self.stand_in(), "--methods", "path,vpl,photonmap", "--rungs", 2, "--seeds", 3,
                  "--reference-spp", 16, "--reference-batches", 4, "--ledger-spp", 0, "-q", "--with", "time-limit=0.1"]
         self.assertEqual(call(*words, "-o", self.folder / "whole"), (0, ""))
         halves = self.folder / "halves"
@@ -375,13 +440,32 @@ class Charts(Folder):
         (self.folder / "brighter").chmod(0o755)
         (self.folder / "floor.xml").write_text(FLOOR)
         code = call(self.folder / "floor.xml", "--render", self.folder / "brighter", "--methods", "path,bdpt",
-                    "--rungs", 3, "--seeds", 6, "--reference-spp", 128, "--reference-batches", 6, "-q", "-o", self.folder / "r")
+                    "--rungs", 3, "--seeds", 6, "--reference-spp", 128, "--reference-batches", 6, "-q",
+                    "-o", self.folder / "r")
         self.assertEqual(code, (0, ""))
         chart = self.read_chart("r")
         batches = [images.read(self.folder / "r" / run["image"]) for run in chart["reference"]["runs"]]
         truth = np.mean(batches, axis=0)
         planted = 1e-4 * (truth ** 2 / (truth ** 2 + errors.dark_term(truth))).mean()
         self.assert_bias(chart, {"path": 0.0, "bdpt": planted}, 2e-5)
+
+    # The real program's words for it. Planted bug seen to fail here: the first method is rendered to try the reference.
+    def test_methods_that_refuse_the_scene_are_listed(self):
+        words = [MOVING_LAMP, "--render", RENDER, "--methods", "pppm,path,photonmap", "--rungs", 1, "--seeds", 2,
+                 "--width", 8, "--height", 6, "--with", "instants=2"]
+        code, message = call(*words, "--reference-spp", 4, "--reference-batches", 3, "-o", self.folder / "m")
+        self.assertEqual(code, 0)
+        self.assertIn("pppm: not applicable: a scene in motion\n", message)
+        chart = self.read_chart("m")
+        self.assertEqual([method["label"] for method in chart["methods"]], ["path"])
+        self.assertEqual([entry["label"] for entry in chart["not_applicable"]], ["pppm", "photonmap"])
+        self.assertEqual(chart["not_applicable"][0]["reason"], "a scene in motion")
+        self.assertIn("motion", chart["not_applicable"][1]["reason"])
+        page = (self.folder / "m" / "chart.html").read_text()
+        self.assertIn("<p>Not applicable: pppm, a scene in motion.</p>", page)
+        self.assertIn("| pppm | not applicable: a scene in motion |", (self.folder / "m" / "table.md").read_text())
+        reference = self.folder / "m" / chart["reference"]["runs"][0]["image"]
+        self.assertEqual(call(*words, "-q", "--reference", reference, "-o", self.folder / "f"), (0, ""))
 
     def test_reference_from_a_file(self):
         truth = self.folder / "truth.pfm"
@@ -444,6 +528,11 @@ class BadInput(Folder):
         self.rejected("--reference-batches", CORNELL, "--reference-batches", "2")
         self.rejected("'=4'", *fast, "--methods", "path+=4")
         self.rejected("twice", *fast, "--methods", "path,path")
+        self.rejected("scene in motion", MOVING_LAMP, "--render", RENDER, "--methods", "pppm")
+        self.rejected("--summary", CORNELL, "--summary", self.folder)
+        self.rejected("no chart.json", "--summary", self.folder)
+        (self.folder / "chart.json").write_text("{}")
+        self.rejected("not a chart", "--summary", self.folder)
         self.rejected("photons", CORNELL, "--render", RENDER, "--methods", "photons")
         self.rejected("window", CORNELL, "--render", RENDER, "--methods", "path", "--window", "0,0,9000,2")
         self.rejected("none.pfm: No such file", *fast, "--reference", "none.pfm")
