@@ -13,8 +13,8 @@ import time
 
 from failure import InputError, NotApplicable
 
-# How manylight-render says that a method does not do the scene.
-_REFUSAL = re.compile(r"manylight-render: --method \S+ is for (.+), allowed: .*")
+# How manylight-render says that a method does not do the scene; without the element of the file, in brackets.
+_REFUSAL = re.compile(r"manylight-render: --method \S+ is for (.+?)(?: \('.*'\))?, allowed: .*")
 
 
 def file_hash(path):
@@ -83,6 +83,12 @@ def command_of(context, job, image, statistics):
     return command + job["arguments"] + context["common"] + ["-q", "-o", str(image), "--stats", str(statistics)]
 
 
+def refusal_reason(line):
+    """What the scene has that the method cannot do, by the last line of a failed call; None if it failed otherwise."""
+    refusal = _REFUSAL.fullmatch(line)
+    return refusal[1] if refusal else None
+
+
 def _call(command):
     """Seconds of all its threads. Raises InputError with its last line if it fails, NotApplicable if it refuses."""
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
@@ -95,8 +101,8 @@ def _call(command):
     if child.returncode != 0:
         lines = errors.strip().splitlines() or [f"exit code {child.returncode}"]
         message = f"{lines[-1]} (in: {shlex.join(command)})"
-        refusal = _REFUSAL.fullmatch(lines[-1])
-        raise NotApplicable(message, refusal[1]) if refusal else InputError(message)
+        reason = refusal_reason(lines[-1])
+        raise NotApplicable(message, reason) if reason else InputError(message)
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     return after.ru_utime - before.ru_utime + after.ru_stime - before.ru_stime
 

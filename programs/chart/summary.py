@@ -53,7 +53,7 @@ def time_cell(target, noise, times, errors, bias_squared):
 
 
 def _percent(estimate):
-    return f"{100 * estimate['value']:.2g} ± {100 * estimate['standard_error']:.1g} %"
+    return f"{100 * estimate['value']:.2f} ± {100 * estimate['standard_error']:.2f} %"
 
 
 def _row(name, chart, method):

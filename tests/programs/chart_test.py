@@ -39,6 +39,7 @@ except ImportError as missing:
 import errors  # noqa: E402
 import images  # noqa: E402
 import ladder  # noqa: E402
+import runs  # noqa: E402
 import tables  # noqa: E402
 
 RENDER, COMPARE = "", ""  # set from the command line
@@ -191,6 +192,12 @@ class Figures(Folder):
 class Tables(unittest.TestCase):
     """Oracle: by hand."""
 
+    def test_reasons_of_refusals(self):
+        words = "manylight-render: --method pppm is for a scene {}, allowed: path, bdpt or bdlc"
+        for given, reason in (("in motion", "in motion"), ("with glue ('<glue type=\"hot\">')", "with glue")):
+            self.assertEqual(runs.refusal_reason(words.format(given)), "a scene " + reason)
+        self.assertIsNone(runs.refusal_reason("manylight-render: --method: photons not in {path}"))
+
     # Planted bugs seen to fail here: interpolation of the plain error, extrapolation beyond the last point.
     def test_time_to(self):
         times, found = [1.0, 4.0, 16.0], [0.4, 0.2, 0.1]  # slope -1/2
@@ -222,7 +229,7 @@ class Tables(unittest.TestCase):
         self.assertEqual(tables.median([4, 1, 2, 3]), 2.5)
 
 
-def point(seconds, rel_mse):
+def rung(seconds, rel_mse):
     """A rung of a chart as its summary reads it; three seeds, medians as given."""
     return {"runs": [{"seconds": factor * seconds, "rel_mse": factor * rel_mse} for factor in (1, 0.5, 7)]}
 
@@ -249,10 +256,10 @@ class Summaries(Folder):
     # Planted bugs seen to fail here: means over seeds, levels within the reference's noise, bias^2 without its error, the
     # path of the program in a command.
     def test_one_row_per_scene_and_method(self):
-        falling = [point(1, 0.04), point(4, 0.01), point(16, 0.0025)]  # relMSE 0.04 / seconds
-        biased = [point(1, 0.02), point(4, 0.009)]
+        falling = [rung(1, 0.04), rung(4, 0.01), rung(16, 0.0025)]  # relMSE 0.04 / seconds
+        biased = [rung(1, 0.02), rung(4, 0.009)]
         biased[-1]["split"] = {"rel_bias_squared": {"value": 0.008, "standard_error": 0.001}}
-        unsure = [point(2, 0.009), point(5, 0.004)]
+        unsure = [rung(2, 0.009), rung(5, 0.004)]
         unsure[-1]["split"] = {"rel_bias_squared": {"value": 0.004, "standard_error": 0.001}}
         share = {"against_reference": {"value": 0.021, "standard_error": 0.001}}
         self.written("b/one", 0.0001, [{"label": "path", "rungs": falling, "missing": None},
@@ -266,7 +273,7 @@ class Summaries(Folder):
         self.assertEqual(rows[1], ["b/one 4x3", "path", "4", "13.3", "16", "0.0025", "-", "-"])
         # Between (1, 0.02) and (4, 0.009): 4^(log 2 / log (20 / 9)) = 3.33.
         self.assertEqual(rows[2], ["b/one 4x3", "vpl", "3.33", "never, bias² 0.008", "4", "0.009",
-                                   "0.008 ± 0.001", "2.1 ± 0.1 %"])
+                                   "0.008 ± 0.001", "2.10 ± 0.10 %"])
         self.assertEqual(rows[3], ["b/one 4x3", "ir", "< 2", "> 5", "5", "0.004", "0.004 ± 0.001", "-"])
         self.assertEqual(rows[4][:3], ["b/one 4x3", "pppm", "not applicable: a scene in motion"])
         self.assertEqual(len(rows), 5)
@@ -325,16 +332,16 @@ class Charts(Folder):
 
     def second_call(self):
         """Does no run again, and finds the same figures."""
-        runs = sorted((self.folder / "a" / "runs").glob("*.json"))
-        before, chart = [path.stat().st_mtime_ns for path in runs], self.read_chart("a")
+        records = sorted((self.folder / "a" / "runs").glob("*.json"))
+        before, chart = [path.stat().st_mtime_ns for path in records], self.read_chart("a")
         self.assertEqual(call(*self.small("a")), (0, ""))
-        self.assertEqual([path.stat().st_mtime_ns for path in runs], before)
+        self.assertEqual([path.stat().st_mtime_ns for path in records], before)
         again = self.read_chart("a")
         chart.pop("date"), again.pop("date")  # the runs' own dates stay
         self.assertEqual(again, chart)
         # More seeds: the old runs stay.
         self.assertEqual(call(*self.small("a", "--seeds", 4)), (0, ""))
-        self.assertEqual([path.stat().st_mtime_ns for path in runs], before)
+        self.assertEqual([path.stat().st_mtime_ns for path in records], before)
         first = without(self.read_chart("a")["methods"][0]["rungs"][0]["runs"][0], {})
         self.assertEqual(first, chart["methods"][0]["rungs"][0]["runs"][0])
 

@@ -82,8 +82,8 @@ void expect_equal(const std::vector<Image<float>>& runs, const std::vector<Image
 
 // Single blocks have little power, as there are 6 to 12 runs and up to 192 tests; whole images and the median over
 // blocks, a median of means which no firefly moves, see 1 % in the first three scenes and some 3 % in the living room.
-// Planted bugs seen to fail: images of bdpt 1 % brighter, paths of 7 edges and more left out; in the living room, where
-// these are 0.3 % of the light, images 4 % brighter.
+// Planted bugs seen to fail: images of bdpt 1 % brighter, paths of 7 edges and more left out (in veach-mis, of 2); in
+// the living room, where these are 0.3 % of the light, images 4 % brighter.
 TEST_P(BidirectionalReference, AgreesWithPathTracingAndThePeer) {
   const Case& each = GetParam();
   const Image<float> full = image_io::read_image(folder() + "/" + each.folder + "/" + each.reference);
@@ -109,11 +109,11 @@ TEST_P(BidirectionalReference, AgreesWithPathTracingAndThePeer) {
 }
 
 // The peers' noise: unknown in the first two, where blocks are allowed half a percent; in the others 4,096 samples of
-// four pixels against some 30 of one of ours. The hall is 0.2 to 0.3 % darker here than there, by both methods: that
-// much is known to be missed. The picture of veach-mis holds two edges, and pixels that show a lamp, whose edges alone
-// are 3 % of noise in the mean, are left out. In the living room most light comes through panes of glass: single paths
-// bring fireflies, nothing is clamped, and a t-test of so skewed means calls too dark what has met none (path by 20 %
-// in a block, t = -8 of seven degrees), so that its blocks are allowed a quarter.
+// four pixels against some 30 of one of ours. The hall is 0.1 to 0.3 % darker here than there, by both methods (path by
+// 6 standard errors): that much is known to be missed. The picture of veach-mis holds two edges, and pixels that show a
+// lamp, whose edges alone are 3 % of noise in the mean, are left out. In the living room, behind glass, single paths
+// bring fireflies. Nothing is clamped, and a t-test of so skewed means calls too dark what has met none (path by 20 % in
+// a block, t = -8 of seven degrees), so that its blocks are allowed a quarter: there the whole image and the median tell.
 INSTANTIATE_TEST_SUITE_P(Scenes, BidirectionalReference,
                          ::testing::Values(Case{"CornellBox", "cornell-box", "TungstenRender.exr", 8, "--spp 8", 10,
                                                 1e9, 0, 0.005, 0.002, 0.005},
