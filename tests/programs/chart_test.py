@@ -253,8 +253,8 @@ class Summaries(Folder):
         table = [[cell.strip() for cell in line.split("|")[1:-1]] for line in lines if line.startswith("| ")]
         return table[2:], "\n".join(line for line in lines if not line.startswith("| "))
 
-    # Planted bugs seen to fail here: means over seeds, levels within the reference's noise, bias^2 without its error, the
-    # path of the program in a command.
+    # Planted bugs seen to fail here: means over seeds, levels within the reference's noise, bias^2 without its error,
+    # the path of the program in a command.
     def test_one_row_per_scene_and_method(self):
         falling = [rung(1, 0.04), rung(4, 0.01), rung(16, 0.0025)]  # relMSE 0.04 / seconds
         biased = [rung(1, 0.02), rung(4, 0.009)]

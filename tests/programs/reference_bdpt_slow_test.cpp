@@ -111,9 +111,9 @@ TEST_P(BidirectionalReference, AgreesWithPathTracingAndThePeer) {
 // The peers' noise: unknown in the first two, where blocks are allowed half a percent; in the others 4,096 samples of
 // four pixels against some 30 of one of ours. The hall is 0.1 to 0.3 % darker here than there, by both methods (path by
 // 6 standard errors): that much is known to be missed. The picture of veach-mis holds two edges, and pixels that show a
-// lamp, whose edges alone are 3 % of noise in the mean, are left out. In the living room, behind glass, single paths
-// bring fireflies. Nothing is clamped, and a t-test of so skewed means calls too dark what has met none (path by 20 % in
-// a block, t = -8 of seven degrees), so that its blocks are allowed a quarter: there the whole image and the median tell.
+// lamp, whose edges alone are 3 % of noise in the mean, are left out. In the living room single paths, through glass,
+// bring fireflies. Nothing is clamped, and a t-test of so skewed means calls too dark what has met none (path in a
+// block, t = -8 of seven degrees), so that its blocks are allowed a quarter: there the whole image and the median tell.
 INSTANTIATE_TEST_SUITE_P(Scenes, BidirectionalReference,
                          ::testing::Values(Case{"CornellBox", "cornell-box", "TungstenRender.exr", 8, "--spp 8", 10,
                                                 1e9, 0, 0.005, 0.002, 0.005},
