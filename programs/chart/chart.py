@@ -2,7 +2,9 @@
 """Makes a chart: runs, figures, pictures, page."""
 import json
 import math
+import shlex
 import subprocess
+import sys
 import time
 
 import evaluate
@@ -50,7 +52,7 @@ def _parameters(options):
 
 
 def _check_reference(context, methods, options):
-    """Hours of rendering are no time to learn that the reference is unusable: one cheap run tells."""
+    """Hours of rendering are no time to learn that the reference is unusable: the cheapest run tells."""
     record = runs.do(context, runs.make_job(methods[0], ladder.settings(methods[0]["method"], 0), 1))
     evaluate.require_same_size(images.read(options.reference), evaluate.load_image(options.output, record))
 
@@ -60,6 +62,7 @@ def make(options):
     methods = ladder.parse_methods(options.methods)
     context = runs.make_context(options.render, options.scene, options.output, _common_arguments(options))
     runs.remove_unfinished(context)
+    methods, refused = plan.applicable(context, methods, options.quiet)
     if options.reference:
         _check_reference(context, methods, options)
     records = plan.carry_out(context, methods, options)
@@ -71,11 +74,13 @@ def make(options):
         "date": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime()),
         "machine": machine.describe(),
         "load": _loads(records),
+        "command": shlex.join(["manylight-chart", *sys.argv[1:]]),
         "scene": str(options.scene),
         "scene_name": options.scene.stem,
         "title": f"{options.scene.stem}, {figures['width']} x {figures['height']} pixels",
         "parameters": _parameters(options),
         **figures,
+        "not_applicable": refused,
     }
     text = json.dumps(_without_infinities(result), indent=1) + "\n"
     runs.write_by_rename(options.output / "chart.json", text)

@@ -4,3 +4,11 @@
 
 class InputError(Exception):
     """Wrong arguments, scenes or files; the message is one line that names what is wrong."""
+
+
+class NotApplicable(InputError):
+    """A method that is not for this scene; `reason` names what it has that the method cannot do."""
+
+    def __init__(self, message, reason):
+        super().__init__(message)
+        self.reason = reason

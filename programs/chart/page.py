@@ -96,6 +96,8 @@ def cost_rows(chart):
             rows.append([f"{chart['scene_name']} {chart['width']}x{chart['height']}", f"{method['label']}, {settings}",
                          f"{cpu:.1f}", f"{evaluate.medians(rung, 'rel_mse'):.4f}", f"{trimmed:.4f}",
                          f"{100 * evaluate.medians(rung, 'mean_signed_difference'):+.2f} %", f"{trimmed * cpu:.3f}"])
+    for entry in chart["not_applicable"]:
+        rows.append([rows[0][0], entry["label"], f"not applicable: {entry['reason']}", *[""] * (len(head) - 3)])
     return head, rows
 
 
@@ -116,6 +118,12 @@ def reference_text(reference):
     advice = " More than 1 %: a larger --reference-budget would make the lower ends more exact."
     return (text + f", {100 * share:.2g} % of the least error charted; the split into variance and bias² has it taken "
             "off." + ("" if share <= 0.01 else advice))
+
+
+def not_applicable_text(chart):
+    """The methods that do not do the scene, in a sentence each; nothing if all do."""
+    return "".join(f"<p>Not applicable: {html.escape(entry['label'])}, {html.escape(entry['reason'])}.</p>\n"
+                   for entry in chart["not_applicable"])
 
 
 def _embed(path):
@@ -139,7 +147,7 @@ seconds with loading and building. Lines are medians, bands reach from the best 
 bias of the dearest rung, dotted ones slopes of unbiased methods (-1/2) and of those whose bias shrinks with the cost
 (-1/3). The machine's load average was {chart['load']['least']:.1f} to {chart['load']['most']:.1f}.</p>
 <p>Reference: {html.escape(reference_text(chart['reference']))}</p>
-<div class="pair"><img alt="Error over time" src="{_embed(folder / 'error_over_time.svg')}">
+{not_applicable_text(chart)}<div class="pair"><img alt="Error over time" src="{_embed(folder / 'error_over_time.svg')}">
 <img alt="Error over rays" src="{_embed(folder / 'error_over_rays.svg')}"></div>
 <h2>Time to reach an error</h2>
 <p>By straight lines in log-log between the medians, never beyond them. Speed-ups are over

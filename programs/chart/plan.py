@@ -4,6 +4,7 @@ import evaluate
 import ladder
 import progress
 import runs
+from failure import NotApplicable
 
 REFERENCE_SEED = 1_000_000  # the first; runs count from 1
 LEDGER_SEED = 2_000_000
@@ -13,6 +14,28 @@ def _show(job, left, quiet):
     """`left`: seconds of this job and those after it, or None while nobody knows."""
     tail = f"about {progress.duration(left)} left" if left is not None else "finding how far the ladder goes"
     progress.show(f"{runs.job_name(job)}; {tail}", quiet)
+
+
+def applicable(context, methods, quiet):
+    """The methods that are for the scene, by their first runs, and {label, reason} of the others.
+
+    Raises NotApplicable if none is left.
+    """
+    kept, refused = [], []
+    for method in methods:
+        job = runs.make_job(method, ladder.settings(method["method"], 0), 1)
+        if runs.find(context, job) is None:
+            _show(job, None, quiet)
+        try:
+            runs.do(context, job)
+            kept.append(method)
+        except NotApplicable as refusal:
+            progress.show(f"{method['label']}: not applicable: {refusal.reason}", quiet)
+            refused.append({"label": method["label"], "reason": refusal.reason})
+            last = refusal
+    if not kept:
+        raise last
+    return kept, refused
 
 
 def climb(context, method, budget, options):

@@ -4,13 +4,17 @@ import hashlib
 import json
 import os
 import pathlib
+import re
 import resource
 import shlex
 import shutil
 import subprocess
 import time
 
-from failure import InputError
+from failure import InputError, NotApplicable
+
+# How manylight-render says that a method does not do the scene; without the element of the file, in brackets.
+_REFUSAL = re.compile(r"manylight-render: --method \S+ is for (.+?)(?: \('.*'\))?, allowed: .*")
 
 
 def file_hash(path):
@@ -29,9 +33,9 @@ def make_context(render, scene, folder, common):
 
 
 def make_job(method, settings, seed):
-    """One run to do."""
+    """One run to do. Settings in the order in which files give them back: the names of runs hold them."""
     return {"label": method["label"], "method": method["method"], "arguments": method["arguments"],
-            "settings": settings, "seed": seed}
+            "settings": dict(sorted(settings.items())), "seed": seed}
 
 
 def job_name(job):
@@ -79,8 +83,14 @@ def command_of(context, job, image, statistics):
     return command + job["arguments"] + context["common"] + ["-q", "-o", str(image), "--stats", str(statistics)]
 
 
+def refusal_reason(line):
+    """What the scene has that the method cannot do, by the last line of a failed call; None if it failed otherwise."""
+    refusal = _REFUSAL.fullmatch(line)
+    return refusal[1] if refusal else None
+
+
 def _call(command):
-    """Runs it; raises InputError with its last line if it fails. Seconds of all its threads."""
+    """Seconds of all its threads. Raises InputError with its last line if it fails, NotApplicable if it refuses."""
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True) as child:
         try:
@@ -90,7 +100,9 @@ def _call(command):
             raise
     if child.returncode != 0:
         lines = errors.strip().splitlines() or [f"exit code {child.returncode}"]
-        raise InputError(f"{lines[-1]} (in: {shlex.join(command)})")
+        message = f"{lines[-1]} (in: {shlex.join(command)})"
+        reason = refusal_reason(lines[-1])
+        raise NotApplicable(message, reason) if reason else InputError(message)
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     return after.ru_utime - before.ru_utime + after.ru_stime - before.ru_stime
 
