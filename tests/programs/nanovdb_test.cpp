@@ -38,14 +38,6 @@ using scene_file::VolumeGrid;
 using testing::AllOf;
 using testing::HasSubstr;
 
-std::string volume(const std::string& name, const std::string& file, const std::string& inside = "") {
-  return "<volume type=\"gridvolume\" name=\"" + name + "\"><string name=\"filename\" value=\"" + file + "\"/>" +
-         inside + "</volume>";
-}
-std::string gridname(const std::string& name) { return "<string name=\"gridname\" value=\"" + name + "\"/>"; }
-const std::string k_in_file_box = "<boolean name=\"use_grid_bbox\" value=\"true\"/>";
-const std::string k_albedo = "<rgb name=\"albedo\" value=\"0.5\"/>";
-
 class Nanovdb : public ScratchTest {
  protected:
   [[nodiscard]] std::string error_of(const std::string& file, const std::string& bytes) const {
@@ -72,6 +64,14 @@ TEST_F(Nanovdb, IsRefusedByBuildsWithoutIt) {
 #else
 
 using nanovdb::Coord;
+
+std::string volume(const std::string& name, const std::string& file, const std::string& inside = "") {
+  return "<volume type=\"gridvolume\" name=\"" + name + "\"><string name=\"filename\" value=\"" + file + "\"/>" +
+         inside + "</volume>";
+}
+std::string gridname(const std::string& name) { return "<string name=\"gridname\" value=\"" + name + "\"/>"; }
+const std::string k_in_file_box = "<boolean name=\"use_grid_bbox\" value=\"true\"/>";
+const std::string k_albedo = "<rgb name=\"albedo\" value=\"0.5\"/>";
 
 /// The affine map of the rows, to the place given.
 nanovdb::Map map_of(const std::array<std::array<double, 3>, 3>& rows, const std::array<double, 3>& place) {
@@ -182,7 +182,7 @@ void expect_accessors_values(const std::filesystem::path& file, const nanovdb::G
   const VolumeGrid read = read_volume_grid(file);
   const auto box = grid->indexBBox();
   for (int axis = 0; axis < 3; ++axis) {
-    EXPECT_EQ(read.size[std::size_t(axis)], static_cast<std::uint32_t>(box.dim()[axis]));
+    EXPECT_EQ(read.size[std::size_t(axis)], static_cast<std::uint32_t>(box.max()[axis] - box.min()[axis] + 1));
   }
   ASSERT_EQ(read.values.size(), read.sample_count() * read.channels);
   ASSERT_TRUE(read.from_samples);
