@@ -37,13 +37,13 @@ std::string text_of(const nanovdb::Coord& c) {
 void check_extent(const std::filesystem::path& path, const nanovdb::CoordBBox& active, VolumeGrid& grid) {
   if (active.empty()) throw SceneFileError(path.string(), 0, "grid", "is empty, allowed: one with active values");
   constexpr std::int64_t k_side = VolumeGrid::k_largest_side;
-  for (int axis = 0; axis < 3; ++axis) {
+  for (std::uint32_t axis = 0; axis < 3; ++axis) {
     const std::int64_t n = std::int64_t{active.max()[axis]} - active.min()[axis] + 1;
     if (n > k_side) {
       fail_field(path, std::string("extent of active values along ") + "xyz"[axis], n,
                  "1 to " + std::to_string(k_side));
     }
-    grid.size[static_cast<std::size_t>(axis)] = static_cast<std::uint32_t>(n);
+    grid.size[axis] = static_cast<std::uint32_t>(n);
   }
   if (grid.sample_count() * grid.channels > k_largest_nanovdb_grid) {
     const auto& n = grid.size;

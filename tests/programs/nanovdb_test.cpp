@@ -181,8 +181,8 @@ void expect_accessors_values(const std::filesystem::path& file, const nanovdb::G
   ASSERT_NE(grid, nullptr);
   const VolumeGrid read = read_volume_grid(file);
   const auto box = grid->indexBBox();
-  for (int axis = 0; axis < 3; ++axis) {
-    EXPECT_EQ(read.size[std::size_t(axis)], static_cast<std::uint32_t>(box.max()[axis] - box.min()[axis] + 1));
+  for (std::uint32_t axis = 0; axis < 3; ++axis) {
+    EXPECT_EQ(read.size[axis], static_cast<std::uint32_t>(box.dim()[axis]));
   }
   ASSERT_EQ(read.values.size(), read.sample_count() * read.channels);
   ASSERT_TRUE(read.from_samples);
