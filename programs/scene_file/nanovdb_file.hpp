@@ -15,7 +15,7 @@ namespace manylight::scene_file {
 /// The bytes of one grid, aligned as NanoVDB needs them.
 class NanovdbBytes {
  public:
-  explicit NanovdbBytes(std::size_t size) : blocks_((size + k_alignment - 1) / k_alignment), size_(size) {}
+  explicit NanovdbBytes(std::size_t size) : blocks_(size / k_alignment + 1), size_(size) {}
   [[nodiscard]] std::size_t size() const { return size_; }
   [[nodiscard]] unsigned char* data() { return blocks_.data()->bytes.data(); }
   [[nodiscard]] const unsigned char* data() const { return blocks_.data()->bytes.data(); }

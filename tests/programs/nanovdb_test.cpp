@@ -384,6 +384,9 @@ TEST_F(DamagedNanovdb, NamesFileFieldValueAndRange) {
   EXPECT_THAT(error_of(patched(whole, k_meta_at, std::uint64_t{1} << 60U)), HasSubstr("grid 'density': is "));
   EXPECT_THAT(error_of(patched(whole, k_grid_at + 300, '\1')), HasSubstr("is damaged: wrong checksum"));
   EXPECT_THAT(error_of(patched(whole, whole.size() - 4, 7.0F)), HasSubstr("is damaged: wrong checksum")) << "of nodes";
+  const std::string packed = whole_file(nanovdb::io::Codec::ZIP);
+  EXPECT_THAT(error_of(patched(packed, k_meta_at, std::uint64_t{0})), HasSubstr("is damaged: its bytes cannot be"));
+  EXPECT_THAT(error_of(patched(packed, k_meta_at, std::uint64_t{1} << 40U)), HasSubstr("bytes long, allowed: at most"));
   const std::string unsigned_file = without_checksum(whole);
   EXPECT_EQ(error_of(unsigned_file), "no error");
   EXPECT_THAT(error_of(patched(unsigned_file, k_grid_at + 296 + 88, std::nan(""))),
