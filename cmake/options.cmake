@@ -9,7 +9,7 @@ option(MANYLIGHT_INSTALL "Install the headers, the CMake package and the program
 
 option(MANYLIGHT_RENDER_EMBREE "Offer Embree in manylight-render where it was found: twice the compile time" ON)
 
-foreach(package IN ITEMS EMBREE TBB)
+foreach(package IN ITEMS EMBREE TBB NANOVDB)
   set(MANYLIGHT_WITH_${package} AUTO CACHE STRING "Use the optional package: AUTO (when found), ON (required) or OFF")
   set_property(CACHE MANYLIGHT_WITH_${package} PROPERTY STRINGS AUTO ON OFF)
 endforeach()

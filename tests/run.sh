@@ -48,7 +48,7 @@ cmake/install_packages.sh "${packages[@]}"
 if $ci; then
   stage "clang++, address and undefined-behaviour sanitizers, quick tests"
   build_and_test asan
-  stage "without Embree and oneTBB, generic processor, quick tests"
+  stage "without Embree, oneTBB and NanoVDB, generic processor, quick tests"
   build_and_test bare
   stage "demo at a small size"
   examples/demo.sh --quick

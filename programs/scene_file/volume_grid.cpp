@@ -1,30 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
-// Mitsuba's .vol files, as its gridvolume plugin reads them.
+// Mitsuba's .vol files, as its gridvolume plugin reads them, and what tells a file's format.
 #include "scene_file/volume_grid.hpp"
 
 #include <bit>
 #include <cmath>
 #include <cstddef>
-#include <sstream>
 #include <string>
 
+#include "scene_file/field_error.hpp"
 #include "scene_file/mesh_files.hpp"
+#include "scene_file/nanovdb_grid.hpp"
 
 namespace manylight::scene_file {
 
 namespace {
 
 constexpr std::size_t k_header_bytes = 48;
-constexpr std::int32_t k_largest_side = 1 << 16;
 constexpr std::array<const char*, 3> k_axes{"x", "y", "z"};
-
-template <class Value>
-[[noreturn]] void fail_field(const std::filesystem::path& path, const std::string& field, const Value& value,
-                             const std::string& allowed) {
-  std::ostringstream reason;
-  reason << "is " << value << ", allowed: " << allowed;
-  throw SceneFileError(path.string(), 0, field, reason.str());
-}
 
 /// Little-endian numbers at any place of a file; the caller has checked that they are there.
 class Bytes {
@@ -81,8 +73,9 @@ VolumeGrid read_header(const std::filesystem::path& path, const Bytes& in) {
   VolumeGrid grid;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const std::int32_t n = in.int32(8 + 4 * axis);
-    if (n < 1 || n > k_largest_side) {
-      fail_field(path, std::string("resolution along ") + k_axes[axis], n, "1 to " + std::to_string(k_largest_side));
+    if (n < 1 || n > VolumeGrid::k_largest_side) {
+      fail_field(path, std::string("resolution along ") + k_axes[axis], n,
+                 "1 to " + std::to_string(VolumeGrid::k_largest_side));
     }
     grid.size[axis] = static_cast<std::uint32_t>(n);
   }
@@ -102,11 +95,7 @@ VolumeGrid read_header(const std::filesystem::path& path, const Bytes& in) {
   return grid;
 }
 
-}  // namespace
-
-VolumeGrid read_volume_grid(const std::filesystem::path& path) {
-  const std::string data = read_file_bytes(path);
-  if (data.compare(0, 3, "VOL") != 0) throw SceneFileError(path.string(), 0, "", "is not a .vol grid file");
+VolumeGrid read_vol_grid(const std::filesystem::path& path, const std::string& data) {
   if (data.size() < k_header_bytes) {
     fail_field(path, "header", std::to_string(data.size()) + " bytes long", std::to_string(k_header_bytes));
   }
@@ -130,6 +119,19 @@ VolumeGrid read_volume_grid(const std::filesystem::path& path) {
     grid.values.push_back(value);
   }
   return grid;
+}
+
+}  // namespace
+
+VolumeGrid read_volume_grid(const std::filesystem::path& path, const std::optional<std::string>& gridname) {
+  const std::string data = read_file_bytes(path);
+  if (is_nanovdb(data)) return read_nanovdb_grid(path, data, gridname);
+  if (data.compare(0, 4, " BDV") == 0) {
+    throw SceneFileError(path.string(), 0, "", "is an OpenVDB file, allowed: what nanovdb_convert makes of it");
+  }
+  if (data.compare(0, 3, "VOL") != 0) throw SceneFileError(path.string(), 0, "", "is not a .vol grid file, nor .nvdb");
+  if (gridname) fail_field(path, "gridname", "'" + *gridname + "'", "none, as the one grid of a .vol file has no name");
+  return read_vol_grid(path, data);
 }
 
 }  // namespace manylight::scene_file

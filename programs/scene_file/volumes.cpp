@@ -11,23 +11,40 @@ namespace manylight::scene_file {
 
 namespace {
 
-/// Where the grid lies before `to_world`. Versions 0.x: the file's box, or what `min` and `max` give; later ones: the
-/// unit cube, or the file's box.
-Box<float> take_box(const Context& context, Properties& p, const Box<float>& of_file) {
+/// Where the file says that its samples lie. A .vol file states the box of the grid. An .nvdb file states the place of
+/// each sample, by an affine map that may turn and shear; the box is then one of sample numbers, and the map becomes
+/// part of `to_world`. Sample i lies in the middle of the i-th of n cells, [i - 1/2, i + 1/2], which fill
+/// [-1/2, n - 1/2]; or it lies at the lower end of the i-th of n - 1 cells, which fill [0, n - 1].
+void place_by_file(Volume& volume) {
+  const VolumeGrid& grid = *volume.grid;
+  GridPlacement<float>& placement = volume.placement;
+  if (!grid.from_samples) {
+    placement.box = grid.box;
+    return;
+  }
+  const float outer = placement.samples == GridSamples::at_centers ? 0.5F : 0.0F;
+  placement.box = {Vec3<float>(-outer), Vec3<float>(grid.size[0], grid.size[1], grid.size[2]) - 1.0F + outer};
+  placement.to_world = Mat4<float>(Mat4<double>(placement.to_world) * *grid.from_samples);
+  volume.to_grid_frame = glm::inverse(glm::dmat3(*grid.from_samples));
+}
+
+/// Places the grid before `to_world`, which is set. Versions 0.x: as the file says, or in the box that `min` and `max`
+/// give; later ones: in the unit cube, or as the file says.
+void place_grid(const Context& context, Properties& p, Volume& volume) {
   if (context.document.major_version >= 2) {
-    const Box<float> unit{Vec3<float>(0), Vec3<float>(1)};
-    return p.flag("use_grid_bbox", false) ? of_file : unit;
+    if (p.flag("use_grid_bbox", false)) place_by_file(volume);
+    return;
   }
   const auto lo = p.vector("min");
   const auto hi = p.vector("max");
   if (lo.has_value() != hi.has_value()) fail(p.element(), "needs either both min and max, or none of them");
-  if (!lo) return of_file;
+  if (!lo) return place_by_file(volume);
   for (int axis = 0; axis < 3; ++axis) {
     if ((*hi)[axis] > (*lo)[axis]) continue;
     fail(p.element(), std::string("max is ") + std::to_string((*hi)[axis]) + " along " + "xyz"[axis] +
                           ", allowed: above min, " + std::to_string((*lo)[axis]));
   }
-  return {*lo, *hi};
+  volume.placement.box = {*lo, *hi};
 }
 
 void require_text(Properties& p, const char* name, const std::string& allowed) {
@@ -40,11 +57,11 @@ Volume parse_grid(Context& context, Properties& p) {
   volume.element = &p.element();
   const auto name = p.text("filename");
   if (!name) fail(p.element(), "needs a filename");
-  volume.grid = read_volume_grid(context.document.resolve(p.element(), *name));
-  volume.placement.to_world = take_transform(p, "to_world");
-  volume.placement.box = take_box(context, p, volume.grid->box);
+  volume.grid = read_volume_grid(context.document.resolve(p.element(), *name), p.text("gridname"));
   // Versions 0.x have the outer samples on the faces of the box, later ones in the middle of the outer cells.
   volume.placement.samples = context.document.major_version >= 2 ? GridSamples::at_centers : GridSamples::at_vertices;
+  volume.placement.to_world = take_transform(p, "to_world");
+  place_grid(context, p, volume);
   if (const auto copies = p.vector("copies")) {
     for (int axis = 0; axis < 3; ++axis) {
       const float n = (*copies)[axis];
@@ -143,7 +160,8 @@ std::vector<Vec3<float>> fiber_axes(const Volume& axes, const Volume& density) {
   std::vector<Vec3<float>> result;
   result.reserve(count);
   for (std::size_t i = 0; i < count; ++i) {
-    result.emplace_back(file.values[3 * i], file.values[3 * i + 1], file.values[3 * i + 2]);
+    const Vec3<double> axis(file.values[3 * i], file.values[3 * i + 1], file.values[3 * i + 2]);
+    result.emplace_back(axes.to_grid_frame * axis);
   }
   return result;
 }

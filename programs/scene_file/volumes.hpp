@@ -3,6 +3,8 @@
 
 #include <optional>
 
+#include <glm/mat3x3.hpp>
+
 #include "manylight/media/grid_volume.hpp"
 #include "scene_file/context.hpp"
 #include "scene_file/volume_grid.hpp"
@@ -15,6 +17,8 @@ struct Volume {
   const Element* value = nullptr;    ///< of a constant: the element that holds it
   std::optional<VolumeGrid> grid;
   GridPlacement<float> placement;  ///< of the grid; of a constant only to_world
+  /// From the frame that directions of the file are in to that of the grid, where to_world takes them up.
+  glm::dmat3 to_grid_frame{1.0};
 };
 
 /// A <volume>, or a plain property in its place. Throws SceneFileError.
