@@ -84,8 +84,8 @@ template <class Scene, SampleStream Stream>
 
   PathContribution<S> found;
   found.value = e.strength * pair.m * pair.d * l.strength * pair.t;
-  S to_light = onward_pdf(eye, pair.wi, Walk::eye);
-  S to_eye = onward_pdf(light, -pair.wi, Walk::light);
+  const S to_light = onward_pdf(eye, pair.wi, Walk::eye);
+  const S to_eye = onward_pdf(light, -pair.wi, Walk::light);
   const S light_sum = light.weights.sum(return_pdf(light, -pair.wi, Walk::eye));
   const S eye_sum = eye.weights.sum(return_pdf(eye, pair.wi, Walk::light));
   if constexpr (Scene::k_has_subsurface) {
@@ -95,9 +95,8 @@ template <class Scene, SampleStream Stream>
       return found;
     }
   }
-  to_light *= density_cosine(l, pair.wi) * pair.t;
-  to_eye *= density_cosine(e, pair.wi) * pair.t;
-  found.weight = weight_of_connection(to_light, light_sum, to_eye, eye_sum);
+  found.weight = weight_of_connection(to_light * density_cosine(l, pair.wi) * pair.t, light_sum,
+                                      to_eye * density_cosine(e, pair.wi) * pair.t, eye_sum);
   found.value *= detail::unabsorbed(eye, pair.wi, S(1) / std::sqrt(pair.t));
   found.value *= scene.visibility(shadow_ray<Scene>(e, l, seed), rays);
   return found;

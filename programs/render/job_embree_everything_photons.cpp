@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "manylight/geometry/bvh.hpp"
+#ifdef MANYLIGHT_HAS_EMBREE
+#include "manylight/geometry/embree.hpp"
 #include "render/job_impl.hpp"
 
 namespace manylight::render {
-template JobResult run_job<MethodGroup::no_subsurface, Bvh<float>, BlendedFileShader, FileMedia>(
+template JobResult run_job<MethodGroup::photons, EmbreeGeometry, BlendedFileShader, FileMedia>(
     scene_file::SceneDescription&, const Options&);
 }  // namespace manylight::render
+#endif

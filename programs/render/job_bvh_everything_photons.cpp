@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#ifdef MANYLIGHT_HAS_EMBREE
-#include "manylight/geometry/embree.hpp"
+#include "manylight/geometry/bvh.hpp"
 #include "render/job_impl.hpp"
 
 namespace manylight::render {
-template JobResult run_job<MethodGroup::any_scene, EmbreeGeometry, FullFileShader, FileMedia>(
+template JobResult run_job<MethodGroup::photons, Bvh<float>, BlendedFileShader, FileMedia>(
     scene_file::SceneDescription&, const Options&);
 }  // namespace manylight::render
-#endif
