@@ -79,7 +79,7 @@ TEST(BidirectionalSubsurface, JadeBelowGlass) {
   builder.sphere({0, 0.3, 0}, 0.4, jade(0.8, 0.2, 1.3), 0.2);
   builder.mesh(box_mesh<S>({-2, -2, 0.6}, {2, 2, 0.8}), BallMaterial(Dielectric<S>{1.5}));
   builder.lamp(parallelogram<S>({0, 0, 1.4}, {0, 0.5, 0}, {0.5, 0, 0}), 8);
-  expect_equals_path(builder.build(), floor_camera(0), 250, 24, 0.03, 6);
+  expect_equals_path(builder.build(), floor_camera(0), 250, 32, 0.03, 6);
 }
 
 /// Oracle O-15: under a uniform sky a half-space looks like a Lambertian one, whatever the falloff; here with one of 0.3 on

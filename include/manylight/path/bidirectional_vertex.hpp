@@ -46,7 +46,7 @@ struct BidirectionalVertex {
   Rgb<S> emission{0};         ///< eye walks: what the path contributes that ends here on a light, W/m^2/sr, unweighted
   S emission_weight = S(0);
   [[no_unique_address]] detail::VertexAbsorption<S, Scene::ShaderType::k_may_absorb> absorption{};
-  [[no_unique_address]] detail::VertexBelow<Scene, Scene::k_has_subsurface> below{};
+  [[no_unique_address]] detail::VertexBelow<Scene, Scene::k_has_subsurface> below{};  ///< of surfaces
 };
 
 /// A light or an eye walk, its vertices in the order in which they were met; where a surface scatters below, too, two in

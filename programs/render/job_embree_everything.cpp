@@ -6,5 +6,7 @@
 namespace manylight::render {
 template JobResult run_job<MethodGroup::many_light, EmbreeGeometry, FullFileShader, FileMedia>(
     scene_file::SceneDescription&, const Options&);
+template JobResult run_job<MethodGroup::bidirectional, EmbreeGeometry, FullFileShader, FileMedia>(
+    scene_file::SceneDescription&, const Options&);
 }  // namespace manylight::render
 #endif
