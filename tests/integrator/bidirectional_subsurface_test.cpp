@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cmath>
+#include <type_traits>
 #include <utility>
 
 #include "integrator/bidirectional_weight_check.hpp"
@@ -16,6 +17,11 @@ namespace {
 
 using S = double;
 using Builder = JadeBuilderOf<BallMaterial>;
+
+// Vertices of scenes without objects carry nothing of them.
+static_assert(std::is_empty_v<detail::VertexBelow<BallScene, BallScene::k_has_subsurface>>);
+static_assert(sizeof(BidirectionalVertex<BallScene>) + sizeof(detail::VertexBelow<Builder::SceneType, true>) <=
+              sizeof(BidirectionalVertex<Builder::SceneType>));
 
 /// A ball of jade, partly diffuse or shining on its surface, near a wall, and a block of jade.
 Builder jade_by_the_wall(double length, double eta, const BallMaterial& on_top) {

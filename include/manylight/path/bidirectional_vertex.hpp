@@ -128,8 +128,9 @@ template <class Scene, std::floating_point S = typename Scene::Scalar>
 }
 }  // namespace detail
 
-/// The same of a vertex of the walk `walk`, along `w` (unit; of inner vertices: through the object, per place there that
-/// passage_pdf counts, whatever `w`).
+/// Density with which the walk `walk` goes on from its vertex `v` along `w` (unit), roulette and the choice between an
+/// object's surface and its inside included, sr^-1. Of inner vertices: probability of going through the object, whatever
+/// `w`; times passage_pdf it is the density per area there.
 template <class Scene, std::floating_point S = typename Scene::Scalar>
 [[nodiscard]] S onward_pdf(const BidirectionalVertex<Scene>& v, const Vec3<S>& w, Walk walk) noexcept {
   if constexpr (Scene::k_has_subsurface) {
@@ -140,8 +141,8 @@ template <class Scene, std::floating_point S = typename Scene::Scalar>
   return walk_pdf(v.vertex, v.vertex.w, w, walk);
 }
 
-/// Density with which the other walk, `other`, that comes to that vertex from `w` goes on to where this one came from, sr^-1;
-/// of outer vertices, where that is through the object, m^-2. Of inner ones the other walk comes from inside, whatever `w`.
+/// Density with which the other walk, `other`, that comes to `v` from `w` goes on to where this one came from, sr^-1; of
+/// outer vertices, where that is through the object, m^-2. Of inner ones the other walk comes from inside, whatever `w`.
 template <class Scene, std::floating_point S = typename Scene::Scalar>
 [[nodiscard]] S return_pdf(const BidirectionalVertex<Scene>& v, const Vec3<S>& w, Walk other) noexcept {
   if constexpr (Scene::k_has_subsurface) {

@@ -89,6 +89,8 @@ class BidirectionalWalk {
     return goes_on;
   }
 
+  /// The vertex where the walk has come to, as far as nothing depends on where it goes on; `place` becomes the last where
+  /// the direction grazes.
   template <class Hit>
   [[nodiscard]] BidirectionalVertex<Scene> arrived(const Hit& hit, const Vec3<S>& known, Place& place,
                                                    const Subpath<Scene>& path) {
@@ -113,7 +115,8 @@ class BidirectionalWalk {
     return v;
   }
 
-  /// The same for a surface that scatters below, too: adds the inner vertex, and where the walk goes that way, the outer one.
+  /// The same for a surface that scatters below, too, met from outside: adds the inner vertex, and where the walk goes that
+  /// way, the outer one, which is one edge further.
   template <class Hit>
   bool vertices_with_below(const Hit& hit, const Submersion<Scene>& submersion, const Vec3<S>& known, Place place,
                            unsigned max_edges, unsigned& edges, Subpath<Scene>& path) {
@@ -123,7 +126,7 @@ class BidirectionalWalk {
     inner.vertex.material = surface.vertex.material;
     inner.vertex.shading = surface.vertex.shading;
     inner.vertex.edges = surface.vertex.edges;
-    inner.is_delta = place.is_last && edges != max_edges;  // grazing
+    inner.is_delta = false;
     inner.emission = Rgb<S>(0);
     const S share = place.is_last ? S(0) : detail::share_below(inner, known);
     const bool goes_below = !place.is_last && stream_.next() < share;
