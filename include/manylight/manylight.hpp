@@ -111,6 +111,7 @@
 #include "manylight/scene/shader.hpp"
 #include "manylight/scene/sphere_cone.hpp"
 #include "manylight/path/bidirectional_connect.hpp"
+#include "manylight/path/bidirectional_start.hpp"
 #include "manylight/path/bidirectional_vertex.hpp"
 #include "manylight/path/bidirectional_walk.hpp"
 #include "manylight/path/bidirectional_weights.hpp"

@@ -23,12 +23,13 @@ struct JobResult {
 
 /// Methods that are instantiated together for a kind of scene.
 enum class MethodGroup {
-  any_scene,      ///< path, vpl, ir, lightcuts, bdlc
-  no_subsurface,  ///< bdpt, pppm, photonmap: scenes whose shaders know no subsurface scattering
+  many_light,     ///< path, vpl, ir, lightcuts, bdlc
+  bidirectional,  ///< bdpt
+  photons,        ///< pppm, photonmap: scenes whose shaders know no subsurface scattering
 };
 [[nodiscard]] constexpr MethodGroup group_of(Method method) noexcept {
-  const bool knows_subsurface = method != Method::bdpt && method != Method::pppm && method != Method::photonmap;
-  return knows_subsurface ? MethodGroup::any_scene : MethodGroup::no_subsurface;
+  if (method == Method::bdpt) return MethodGroup::bidirectional;
+  return method == Method::pppm || method == Method::photonmap ? MethodGroup::photons : MethodGroup::many_light;
 }
 
 /// Renders `description` (whose shapes are moved from) as the options say, by a method of the given group, on the given

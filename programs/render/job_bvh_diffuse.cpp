@@ -3,8 +3,10 @@
 #include "render/job_impl.hpp"
 
 namespace manylight::render {
-template JobResult run_job<MethodGroup::any_scene, Bvh<float>, DiffuseShader, NoMedia>(scene_file::SceneDescription&,
-                                                                                       const Options&);
-template JobResult run_job<MethodGroup::no_subsurface, Bvh<float>, DiffuseShader, NoMedia>(
+template JobResult run_job<MethodGroup::many_light, Bvh<float>, DiffuseShader, NoMedia>(scene_file::SceneDescription&,
+                                                                                        const Options&);
+template JobResult run_job<MethodGroup::bidirectional, Bvh<float>, DiffuseShader, NoMedia>(
     scene_file::SceneDescription&, const Options&);
+template JobResult run_job<MethodGroup::photons, Bvh<float>, DiffuseShader, NoMedia>(scene_file::SceneDescription&,
+                                                                                     const Options&);
 }  // namespace manylight::render

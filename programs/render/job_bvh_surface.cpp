@@ -3,8 +3,10 @@
 #include "render/job_impl.hpp"
 
 namespace manylight::render {
-template JobResult run_job<MethodGroup::any_scene, Bvh<float>, SurfaceFileShader, NoMedia>(
+template JobResult run_job<MethodGroup::many_light, Bvh<float>, SurfaceFileShader, NoMedia>(
     scene_file::SceneDescription&, const Options&);
-template JobResult run_job<MethodGroup::no_subsurface, Bvh<float>, SurfaceFileShader, NoMedia>(
+template JobResult run_job<MethodGroup::bidirectional, Bvh<float>, SurfaceFileShader, NoMedia>(
     scene_file::SceneDescription&, const Options&);
+template JobResult run_job<MethodGroup::photons, Bvh<float>, SurfaceFileShader, NoMedia>(scene_file::SceneDescription&,
+                                                                                         const Options&);
 }  // namespace manylight::render

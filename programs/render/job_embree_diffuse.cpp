@@ -4,9 +4,11 @@
 #include "render/job_impl.hpp"
 
 namespace manylight::render {
-template JobResult run_job<MethodGroup::any_scene, EmbreeGeometry, DiffuseShader, NoMedia>(
+template JobResult run_job<MethodGroup::many_light, EmbreeGeometry, DiffuseShader, NoMedia>(
     scene_file::SceneDescription&, const Options&);
-template JobResult run_job<MethodGroup::no_subsurface, EmbreeGeometry, DiffuseShader, NoMedia>(
+template JobResult run_job<MethodGroup::bidirectional, EmbreeGeometry, DiffuseShader, NoMedia>(
     scene_file::SceneDescription&, const Options&);
+template JobResult run_job<MethodGroup::photons, EmbreeGeometry, DiffuseShader, NoMedia>(scene_file::SceneDescription&,
+                                                                                         const Options&);
 }  // namespace manylight::render
 #endif

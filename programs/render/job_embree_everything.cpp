@@ -4,7 +4,9 @@
 #include "render/job_impl.hpp"
 
 namespace manylight::render {
-template JobResult run_job<MethodGroup::any_scene, EmbreeGeometry, FullFileShader, FileMedia>(
+template JobResult run_job<MethodGroup::many_light, EmbreeGeometry, FullFileShader, FileMedia>(
+    scene_file::SceneDescription&, const Options&);
+template JobResult run_job<MethodGroup::bidirectional, EmbreeGeometry, FullFileShader, FileMedia>(
     scene_file::SceneDescription&, const Options&);
 }  // namespace manylight::render
 #endif

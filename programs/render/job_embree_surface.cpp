@@ -4,9 +4,11 @@
 #include "render/job_impl.hpp"
 
 namespace manylight::render {
-template JobResult run_job<MethodGroup::any_scene, EmbreeGeometry, SurfaceFileShader, NoMedia>(
+template JobResult run_job<MethodGroup::many_light, EmbreeGeometry, SurfaceFileShader, NoMedia>(
     scene_file::SceneDescription&, const Options&);
-template JobResult run_job<MethodGroup::no_subsurface, EmbreeGeometry, SurfaceFileShader, NoMedia>(
+template JobResult run_job<MethodGroup::bidirectional, EmbreeGeometry, SurfaceFileShader, NoMedia>(
+    scene_file::SceneDescription&, const Options&);
+template JobResult run_job<MethodGroup::photons, EmbreeGeometry, SurfaceFileShader, NoMedia>(
     scene_file::SceneDescription&, const Options&);
 }  // namespace manylight::render
 #endif

@@ -16,11 +16,11 @@ JobResult run_job(scene_file::SceneDescription& description, const Options& opti
   JobResult result;
   result.statistics.set_seconds("build", clock.seconds());
   render_aovs(setup, result);
-  if constexpr (group == MethodGroup::no_subsurface) {
+  if constexpr (group == MethodGroup::bidirectional) {
+    render_bidirectional(setup, result);
+  } else if constexpr (group == MethodGroup::photons) {
     if (options.method == Method::pppm) {
       render_progressive_photons(setup, result);
-    } else if (options.method == Method::bdpt) {
-      render_bidirectional(setup, result);
     } else if constexpr (!Media::k_exist) {
       render_photon_map(setup, result);
     } else {

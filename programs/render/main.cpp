@@ -21,34 +21,42 @@ namespace manylight::render {
 
 namespace {
 
-/// The narrowest kind of scene that holds all materials and media.
-template <class Geometry>
+/// `Widest`: the shader of scenes of everything that the group's methods know.
+template <MethodGroup group, class Geometry, class Widest>
 JobResult run_narrowest(scene_file::SceneDescription& description, const Options& options, std::string& kind) {
-  constexpr auto k_any = MethodGroup::any_scene;
-  constexpr auto k_no_subsurface = MethodGroup::no_subsurface;
-  const bool knows_subsurface = group_of(options.method) == k_any;
-  if (!knows_subsurface && !description.subsurfaces.empty()) {
-    throw ParameterError(fmt::format("--method {}", method_name(options.method)),
-                         "for a scene with subsurface scattering ('" + description.subsurfaces.front().name + "')",
-                         "path, vpl, ir, lightcuts or bdlc");
-  }
   const auto all_fit = [&](auto fits) {
     return description.media.empty() && description.subsurfaces.empty() && !description.moves() &&
            std::all_of(description.materials.begin(), description.materials.end(), fits);
   };
   if (all_fit(DiffuseShader::fits)) {
     kind = "diffuse";
-    return knows_subsurface ? run_job<k_any, Geometry, DiffuseShader, NoMedia>(description, options)
-                            : run_job<k_no_subsurface, Geometry, DiffuseShader, NoMedia>(description, options);
+    return run_job<group, Geometry, DiffuseShader, NoMedia>(description, options);
   }
   if (all_fit(SurfaceFileShader::fits)) {
     kind = "surfaces";
-    return knows_subsurface ? run_job<k_any, Geometry, SurfaceFileShader, NoMedia>(description, options)
-                            : run_job<k_no_subsurface, Geometry, SurfaceFileShader, NoMedia>(description, options);
+    return run_job<group, Geometry, SurfaceFileShader, NoMedia>(description, options);
   }
   kind = "everything";
-  return knows_subsurface ? run_job<k_any, Geometry, FullFileShader, FileMedia>(description, options)
-                          : run_job<k_no_subsurface, Geometry, BlendedFileShader, FileMedia>(description, options);
+  return run_job<group, Geometry, Widest, FileMedia>(description, options);
+}
+
+/// On the narrowest kind of scene that holds all materials and media.
+template <class Geometry>
+JobResult run_narrowest(scene_file::SceneDescription& description, const Options& options, std::string& kind) {
+  constexpr auto k_many_light = MethodGroup::many_light;
+  constexpr auto k_bidirectional = MethodGroup::bidirectional;
+  constexpr auto k_photons = MethodGroup::photons;
+  switch (group_of(options.method)) {
+    case k_many_light: return run_narrowest<k_many_light, Geometry, FullFileShader>(description, options, kind);
+    case k_bidirectional: return run_narrowest<k_bidirectional, Geometry, FullFileShader>(description, options, kind);
+    case k_photons: break;
+  }
+  if (!description.subsurfaces.empty()) {
+    throw ParameterError(fmt::format("--method {}", method_name(options.method)),
+                         "for a scene with subsurface scattering ('" + description.subsurfaces.front().name + "')",
+                         "path, bdpt, vpl, ir, lightcuts or bdlc");
+  }
+  return run_narrowest<k_photons, Geometry, BlendedFileShader>(description, options, kind);
 }
 
 JobResult dispatch(scene_file::SceneDescription& description, const Options& options, std::string& kind) {

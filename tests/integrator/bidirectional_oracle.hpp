@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "manylight/path/bidirectional_connect.hpp"
+#include "manylight/scattering/fresnel.hpp"
 
 // The oracle of the recursive weights: of a whole path every strategy's density, each vertex' both ways, and the weights by
 // walking from the strategy in question to both ends with the ratios of neighbouring ones [Veach 1997, section 10.2.1].
@@ -52,6 +53,7 @@ class WholePath {
   std::vector<const V*> vertices;     ///< z_1 ... z_{n-1}
   std::vector<bool> is_dirac;         ///< of these
   std::vector<Vec3<double>> directions;  ///< [i]: unit, from z_i to z_{i+1}
+  std::vector<bool> is_below;           ///< [i]: that segment runs through an object; its direction is not used
   Vec3<double> lens{0};
   double film_density = 0;
   double light_paths = 0;
@@ -93,6 +95,7 @@ class WholePath {
   }
   /// From a density per solid angle at z_from to one at z_to.
   [[nodiscard]] double geometry(std::size_t from, std::size_t to) const {
+    if (is_below[std::min(from, to)]) return 1;
     const Vec3<double>& w = directions[std::min(from, to)];
     const double cosine = to == 0 ? (light.kind == EmitterKind::area ? std::abs(glm::dot(w, light.ng)) : 1)
                           : vertices[to - 1]->vertex.is_in_medium() ? 1
@@ -101,8 +104,44 @@ class WholePath {
     const Vec3<double> segment = position(to) - position(from);
     return cosine / glm::dot(segment, segment);
   }
-  [[nodiscard]] double walk_density(std::size_t i, const Vec3<double>& known, const Vec3<double>& sampled, Walk walk) const {
+  /// Towards z_{i+1} with `Walk::light`, else towards z_{i-1}.
+  [[nodiscard]] double walk_density(std::size_t i, Walk walk) const {
     if (dirac(i)) return 1;
+    const bool from_light = walk == Walk::light;
+    const std::size_t before = from_light ? i - 1 : i, behind = from_light ? i : i - 1;
+    const Vec3<double> known = from_light ? -directions[before] : directions[before];
+    const Vec3<double> sampled = from_light ? directions[behind] : -directions[behind];
+    if constexpr (SceneType::k_has_subsurface) {
+      if (is_below[before] || is_below[behind]) return density_below(i, known, sampled, before, behind);
+      return (1 - share_below(i, known)) * surface_density(i, known, sampled, walk);
+    }
+    return surface_density(i, known, sampled, walk);
+  }
+  /// Share of walks from `known` that go below: by what either way scatters.
+  [[nodiscard]] double share_below(std::size_t i, const Vec3<double>& known) const {
+    const V& v = *vertices[i - 1];
+    const auto* below = v.below.scattering;
+    if (below == nullptr || glm::dot(known, v.below.outward) <= 0) return 0;
+    const double into = below->rho.x * passes(i, known);
+    const double on = sampling_weight(v.vertex.material, v.vertex.shading.frame().to_local(known));
+    return into / (into + on);
+  }
+  /// Ft; all objects are grey.
+  [[nodiscard]] double passes(std::size_t i, const Vec3<double>& w) const {
+    const V& v = *vertices[i - 1];
+    return 1 - reflectance_dielectric(glm::dot(w, v.below.outward), v.below.scattering->eta);
+  }
+  [[nodiscard]] double density_below(std::size_t i, const Vec3<double>& known, const Vec3<double>& sampled,
+                                     std::size_t before, std::size_t behind) const {
+    const V& v = *vertices[i - 1];
+    const auto& below = *v.below.scattering;
+    const double root = std::sqrt(below.rho.x);
+    if (is_below[before]) return std::min(0.99, root) * glm::dot(sampled, v.below.outward) * k_inv_pi<double>;
+    const double d = glm::length(position(behind + 1) - position(behind));
+    return share_below(i, known) * std::min(0.99, root * passes(i, known)) * below.falloff.eval(d).x;
+  }
+  [[nodiscard]] double surface_density(std::size_t i, const Vec3<double>& known, const Vec3<double>& sampled,
+                                       Walk walk) const {
     const auto& v = vertices[i - 1]->vertex;
     if constexpr (SceneType::k_has_media) {
       if (v.is_in_medium()) return v.phase.pdf(sampled, known);
@@ -114,7 +153,7 @@ class WholePath {
   [[nodiscard]] double f(std::size_t i) const {
     if (i == 0) return light.position_pdf;
     if (i > 1) {
-      return walk_density(i - 1, -directions[i - 2], directions[i - 1], Walk::light) * geometry(i - 1, i);
+      return walk_density(i - 1, Walk::light) * geometry(i - 1, i);
     }
     const double cosine = light.kind == EmitterKind::area ? std::abs(glm::dot(directions[0], light.ng)) : 1;
     return light.direction_pdf * cosine * geometry(0, 1);
@@ -122,7 +161,7 @@ class WholePath {
   [[nodiscard]] double b(std::size_t i) const {
     if (i == 0 && is_delta(light.kind)) return 1;  // cancels: nothing is compared with s = 0
     if (i + 1 == length()) return film_density * geometry(i + 1, i);
-    return walk_density(i + 1, directions[i + 1], -directions[i], Walk::eye) * geometry(i + 1, i);
+    return walk_density(i + 1, Walk::eye) * geometry(i + 1, i);
   }
   /// p_{j+1} / p_j without the numbers of samples; s = 1 has p_dir for f_0.
   [[nodiscard]] double step(std::size_t j) const {

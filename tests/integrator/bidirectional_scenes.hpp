@@ -107,7 +107,9 @@ struct LengthCounter {
   template <class... Anything>
   void leave(const Anything&...) const {}
   template <class... Anything>
-  void pass_below(const Anything&...) const {}
+  void pass_below(const Anything&...) {
+    ++edges;
+  }
 };
 
 /// By path tracing; lengths below `lengths`.

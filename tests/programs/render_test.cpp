@@ -224,7 +224,7 @@ TEST_F(RenderProgram, RejectsWhatTheMethodDoesNotHave) {
       write("jade.xml", floor_scene("<shape type=\"sphere\" id=\"jade\"><subsurface type=\"dipole\"><rgb name=\"sigma_s\" "
                                     "value=\"2\"/><rgb name=\"sigma_a\" value=\"0.1\"/></subsurface></shape>"))
           .string();
-  for (const std::string method : {"bdpt", "pppm", "photonmap"}) {
+  for (const std::string method : {"pppm", "photonmap"}) {
     expect_rejected(below + " -m " + method + " -o " + path("x.exr").string(), "subsurface scattering");
   }
   const std::string fog =

@@ -66,12 +66,19 @@ TEST_F(UnbiasedMethods, BidirectionalPathTracing) {
       write("fog.xml", corner_scene("<medium name=\"interior\" type=\"homogeneous\"><rgb name=\"sigma_a\" value=\"0.5\"/>"
                                     "<rgb name=\"sigma_s\" value=\"2\"/></medium>"))
           .string();
+  const std::string jade =
+      write("jade.xml",  // in a ball of fog
+            corner_scene("<subsurface type=\"dipole\"><rgb name=\"sigma_s\" value=\"8\"/><rgb name=\"sigma_a\" "
+                         "value=\"0.2\"/></subsurface></shape><shape type=\"sphere\"><float name=\"radius\" "
+                         "value=\"0.6\"/><bsdf type=\"null\"/><medium name=\"interior\" type=\"homogeneous\"/>"))
+          .string();
   expect_equal_means(shipped("cornell.xml") + " --size 16x16", "--spp 64", "bdpt --spp 32", 4);
   EXPECT_EQ(statistics()["scene_kind"], "diffuse");
   expect_equal_means(gloss + " --size 16x12 --max-depth 5", "--spp 64", "bdpt --spp 32", 4);
   EXPECT_EQ(statistics()["scene_kind"], "surfaces");
   expect_equal_means(fog + " --size 16x12 --max-depth 5", "--spp 64", "bdpt --spp 32", 4);
   EXPECT_EQ(statistics()["scene_kind"], "everything");
+  expect_equal_means(jade + " --size 16x12 --max-depth 5", "--spp 64", "bdpt --spp 32", 4);
 }
 
 // Oracle: paths of up to 4 edges are the sum of their strategies, of which the image is made.

@@ -77,7 +77,7 @@ class BidirectionalPathIntegrator {
     BidirectionalWalk<Scene, Stream>(scene_, stream, rays).trace_eye(ray, weights, config_.max_edges, walks.eye);
     for (const BidirectionalVertex<Scene>& v : walks.eye.vertices) connect_eye_vertex(v, walks.light, stream, rays, found);
     if (!is_black(walks.eye.environment)) {
-      found(0u, static_cast<unsigned>(walks.eye.vertices.size()) + 2u,
+      found(0u, walks.eye.edges() + 2u,
             PathContribution<S>{walks.eye.environment, walks.eye.environment_weight});
     }
   }

@@ -47,6 +47,7 @@ template <class Scene, SampleStream Stream>
     const Scene& scene, const BidirectionalVertex<Scene>& eye, Stream& stream, RayCounts& rays) {
   using S = typename Scene::Scalar;
   const VertexOf<Scene>& v = eye.vertex;
+  if (v.is_inner()) return std::nullopt;
   const S u_select = stream.next();
   const auto light = scene.emitters().sample_direct(v.position, u_select, stream.next_2d());
   const std::uint64_t seed = detail::transmittance_seed<Scene>(stream);
@@ -56,9 +57,9 @@ template <class Scene, SampleStream Stream>
 
   PathContribution<S> found;
   const S direct_pdf = light->kind == EmitterKind::point ? light->pdf * sqr(light->distance) : light->pdf;
-  found.weight = weight_of_direct(light->is_delta ? S(0) : walk_pdf(v, v.w, light->wi, Walk::eye), direct_pdf,
+  found.weight = weight_of_direct(light->is_delta ? S(0) : onward_pdf(eye, light->wi, Walk::eye), direct_pdf,
                                   walk_start_pdf(scene, *light), density_cosine(v, light->wi),
-                                  eye.weights.sum(walk_pdf(v, light->wi, v.w, Walk::light)));
+                                  eye.weights.sum(return_pdf(eye, light->wi, Walk::light)));
   found.value = v.strength * m * light->radiance / light->pdf;
   if (!light->infinite) found.value *= detail::unabsorbed(eye, light->wi, light->distance);
   const typename Scene::ShadowRay ray =
@@ -68,7 +69,7 @@ template <class Scene, SampleStream Stream>
   return found;
 }
 
-/// s >= 2, t >= 2.
+/// s >= 2, t >= 2; inner vertices of an object are connected through it.
 template <class Scene, SampleStream Stream>
 [[nodiscard]] std::optional<PathContribution<typename Scene::Scalar>> connect_vertices(
     const Scene& scene, const BidirectionalVertex<Scene>& eye, const BidirectionalVertex<Scene>& light, Stream& stream,
@@ -82,11 +83,20 @@ template <class Scene, SampleStream Stream>
   if (pair.is_zero()) return std::nullopt;
 
   PathContribution<S> found;
-  const S to_light = walk_pdf(e, e.w, pair.wi, Walk::eye) * density_cosine(l, pair.wi) * pair.t;
-  const S to_eye = walk_pdf(l, l.w, -pair.wi, Walk::light) * density_cosine(e, pair.wi) * pair.t;
-  found.weight = weight_of_connection(to_light, light.weights.sum(walk_pdf(l, -pair.wi, l.w, Walk::eye)), to_eye,
-                                      eye.weights.sum(walk_pdf(e, pair.wi, e.w, Walk::light)));
   found.value = e.strength * pair.m * pair.d * l.strength * pair.t;
+  const S to_light = onward_pdf(eye, pair.wi, Walk::eye);
+  const S to_eye = onward_pdf(light, -pair.wi, Walk::light);
+  const S light_sum = light.weights.sum(return_pdf(light, -pair.wi, Walk::eye));
+  const S eye_sum = eye.weights.sum(return_pdf(eye, pair.wi, Walk::light));
+  if constexpr (Scene::k_has_subsurface) {
+    if (e.is_inner()) {  // through the object, which nothing shadows
+      const S density = passage_pdf(*e.below, glm::length(l.position - e.position));
+      found.weight = weight_of_connection(to_light * density, light_sum, to_eye * density, eye_sum);
+      return found;
+    }
+  }
+  found.weight = weight_of_connection(to_light * density_cosine(l, pair.wi) * pair.t, light_sum,
+                                      to_eye * density_cosine(e, pair.wi) * pair.t, eye_sum);
   found.value *= detail::unabsorbed(eye, pair.wi, S(1) / std::sqrt(pair.t));
   found.value *= scene.visibility(shadow_ray<Scene>(e, l, seed), rays);
   return found;
@@ -106,6 +116,7 @@ template <class Scene, LensCamera C, SampleStream Stream>
     Stream& stream, RayCounts& rays) {
   using S = typename Scene::Scalar;
   const VertexOf<Scene>& l = light.vertex;
+  if (l.is_inner()) return std::nullopt;
   const std::optional<LensSample<S>> lens = camera.project(l.position, stream.next_2d());
   const std::uint64_t seed = detail::transmittance_seed<Scene>(stream);
   if (!lens || !(l.alpha > S(0))) return std::nullopt;
@@ -121,7 +132,7 @@ template <class Scene, LensCamera C, SampleStream Stream>
   found.film = lens->film;
   const S density = lens->film_density / squared_distance;
   found.weight = weight_of_lens(density * density_cosine(l, wo), light_paths,
-                                light.weights.sum(walk_pdf(l, wo, l.w, Walk::eye)));
+                                light.weights.sum(return_pdf(light, wo, Walk::eye)));
   found.value = l.strength * d * (density / light_paths);
   found.value *= detail::unabsorbed(light, wo, distance);
   found.value *= scene.visibility(Scene::shadow_ray(l.anchor(), Anchor<S>{lens->position, S(0), Vec3<S>(0)}, seed), rays);

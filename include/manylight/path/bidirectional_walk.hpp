@@ -6,57 +6,14 @@
 #include <cmath>
 #include <optional>
 
+#include "manylight/path/bidirectional_start.hpp"
 #include "manylight/path/bidirectional_vertex.hpp"
 
 namespace manylight {
 
-/// Whether light walks from infinity are made: not if a medium without end is outside of all boundaries, for then there is
-/// no place where they could start.
-template <class Scene>
-[[nodiscard]] bool has_walks_from_infinity(const Scene& scene) noexcept {
-  if constexpr (Scene::k_has_media) return scene.media().outside() == k_vacuum;
-  return true;
-}
-
-/// EmissionSample::projected_pdf of light walks from the direction `wi` at infinity; of `light` where it was drawn. 0 if
-/// there are none.
-template <class Scene>
-[[nodiscard]] typename Scene::Scalar walk_start_pdf(const Scene& scene, const Vec3<typename Scene::Scalar>& wi) noexcept {
-  using S = typename Scene::Scalar;
-  return has_walks_from_infinity(scene) ? scene.emitters().projected_pdf_emission_environment(wi) : S(0);
-}
-template <class Scene>
-[[nodiscard]] typename Scene::Scalar walk_start_pdf(const Scene& scene,
-                                                    const DirectSample<typename Scene::Scalar>& light) noexcept {
-  using S = typename Scene::Scalar;
-  return light.infinite && !has_walks_from_infinity(scene) ? S(0) : scene.emitters().projected_pdf_emission(light);
-}
-
-/// Density with which `sample_direct` draws the start of a light walk for the point `reference`, sr^-1; of point lights
-/// times the squared distance, of directional ones the selection alone.
-template <class Scene>
-[[nodiscard]] typename Scene::Scalar start_pdf_direct(const Scene& scene,
-                                                      const EmissionSample<typename Scene::Scalar>& start,
-                                                      const Vec3<typename Scene::Scalar>& reference) noexcept {
-  using S = typename Scene::Scalar;
-  if (is_infinite(start.kind)) return start.pdf_direction;
-  const Vec3<S> segment = start.position - reference;
-  if (start.kind == EmitterKind::point) return start.pdf_position * glm::dot(segment, segment);
-  SurfacePoint<S> point{};
-  point.position = start.position;
-  point.ng = start.ng;
-  point.shape = start.shape;
-  point.primitive = start.primitive;
-  return scene.emitters().pdf_direct(reference, point, glm::normalize(segment));
-}
-
 /// Traces walks of one scene.
 template <class Scene, SampleStream Stream>
 class BidirectionalWalk {
-  static_assert(!Scene::k_has_subsurface,
-                "manylight::BidirectionalWalk: bidirectional path tracing knows no subsurface scattering; a scene whose "
-                "shader has a Subsurface is rendered by PathIntegrator or by bidirectional lightcuts");
-
  public:
   using S = typename Scene::Scalar;
 
@@ -93,10 +50,10 @@ class BidirectionalWalk {
     for (unsigned edges = 1; edges <= max_edges; ++edges) {
       const Arrival<Scene> arrival = advance(scene_, state_, stream_, rays_);
       const Vec3<S> known = -state_.ray.direction;
-      const bool is_last = edges == max_edges;
+      const Place place{walk, edges, edges == max_edges};
       if constexpr (Scene::k_has_media) {
         if (arrival.collision) {
-          if (!vertex(*arrival.collision, known, walk, is_last, path)) return;
+          if (!vertex(*arrival.collision, known, place, path)) return;
           continue;
         }
       }
@@ -105,31 +62,111 @@ class BidirectionalWalk {
         return;
       }
       const auto hit = scene_.interaction(*arrival.surface, known, state_.medium);
-      if (!vertex(hit, known, walk, is_last, path)) return;
+      if constexpr (Scene::k_has_subsurface) {
+        if (const auto* below = subsurface_at(scene_, hit, known)) {
+          const Submersion<Scene> submersion(hit, *below, known);
+          if (!vertices_with_below(hit, submersion, known, place, max_edges, edges, path)) return;
+          continue;
+        }
+      }
+      if (!vertex(hit, known, place, path)) return;
     }
   }
 
+  struct Place {
+    Walk walk;
+    unsigned edges;
+    bool is_last;
+  };
+
   /// Adds the vertex where the walk stands and draws the next direction; false where the walk ends.
   template <class Hit>
-  bool vertex(const Hit& hit, const Vec3<S>& known, Walk walk, bool is_last, Subpath<Scene>& path) {
+  bool vertex(const Hit& hit, const Vec3<S>& known, Place place, Subpath<Scene>& path) {
+    BidirectionalVertex<Scene> v = arrived(hit, known, place, path);
+    const bool goes_on = !place.is_last && leave(hit, known, place.walk, S(1), v);
+    path.vertices.push_back(v);
+    previous_ = v.vertex.position;
+    return goes_on;
+  }
+
+  /// The vertex where the walk has come to, as far as nothing depends on where it goes on; `place` becomes the last where
+  /// the direction grazes.
+  template <class Hit>
+  [[nodiscard]] BidirectionalVertex<Scene> arrived(const Hit& hit, const Vec3<S>& known, Place& place,
+                                                   const Subpath<Scene>& path) {
     BidirectionalVertex<Scene> v;
-    v.vertex = vertex_at<Scene>(hit, known, walk, state_.beta);
-    v.vertex.edges = static_cast<std::uint16_t>(path.vertices.size() + 1);
+    v.vertex = vertex_at<Scene>(hit, known, place.walk, state_.beta);
+    v.vertex.edges = static_cast<std::uint16_t>(place.edges);
     v.is_delta = manylight::is_delta(hit);
     const S cosine = density_cosine(v.vertex, known);
-    if (walk == Walk::eye) emission(hit, known, path, v);
+    if (place.walk == Walk::eye) emission(hit, known, path, v);
     if (cosine > S(0)) {
-      arrive(walk, v.vertex.position, cosine, path);
+      arrive(place.walk, v.vertex.position, cosine, path);
     } else {
-      is_last = true;
+      place.is_last = true;
       v.is_delta = true;
     }
     v.weights = weights_;
     absorption(hit, known, v);
-    const bool goes_on = !is_last && leave(hit, known, walk, v);
+    if constexpr (Scene::k_has_subsurface && requires { hit.point; }) {
+      v.below.scattering = scene_.shader(hit.point.shape).subsurface();
+      v.below.outward = hit.point.ng;
+    }
+    return v;
+  }
+
+  /// The same for a surface that scatters below, too, met from outside: adds the inner vertex, and where the walk goes that
+  /// way, the outer one, which is one edge further.
+  template <class Hit>
+  bool vertices_with_below(const Hit& hit, const Submersion<Scene>& submersion, const Vec3<S>& known, Place place,
+                           unsigned max_edges, unsigned& edges, Subpath<Scene>& path) {
+    BidirectionalVertex<Scene> surface = arrived(hit, known, place, path);
+    BidirectionalVertex<Scene> inner = surface;
+    inner.vertex = submersion.vertex(state_.beta);
+    inner.vertex.material = surface.vertex.material;
+    inner.vertex.shading = surface.vertex.shading;
+    inner.vertex.edges = surface.vertex.edges;
+    inner.is_delta = false;
+    inner.emission = Rgb<S>(0);
+    const S share = place.is_last ? S(0) : detail::share_below(inner, known);
+    const bool goes_below = !place.is_last && stream_.next() < share;
+    const bool goes_on = !place.is_last && !goes_below && leave(hit, known, place.walk, S(1) - share, surface);
+    path.vertices.push_back(surface);
+    path.vertices.push_back(inner);
+    previous_ = surface.vertex.position;
+    // Nothing is connected with the end of an eye walk.
+    if (!goes_below || (place.walk == Walk::eye && edges + 1 == max_edges)) return goes_on;
+    const S q = share * survival_into(*inner.below.scattering, glm::dot(known, inner.below.outward));
+    if (!(stream_.next() * share < q)) return false;
+    const auto passage = submersion.pass(scene_, stream_, rays_);
+    if (!passage) return false;
+    state_.beta *= passage->factor / q;
+    ++edges;
+    return outer_vertex(passage->out, inner, q, {place.walk, edges, edges == max_edges}, path);
+  }
+
+  /// Where the walk comes out of the object; `q`: share of walks that went in, of those that came to `inner`.
+  bool outer_vertex(const Surfacing<Scene>& out, const BidirectionalVertex<Scene>& inner, S q, const Place& place,
+                    Subpath<Scene>& path) {
+    BidirectionalVertex<Scene> v;
+    v.vertex = vertex_at<Scene>(out, out.point.ng, place.walk, state_.beta);
+    v.vertex.edges = static_cast<std::uint16_t>(place.edges);
+    v.below = {out.below, out.point.ng, passage_pdf(*out.below, glm::length(out.point.position - previous_))};
+    weights_.pass_below(q * v.below.passage_pdf, return_pdf(inner, inner.vertex.w, other_walk(place.walk)));
+    v.weights = weights_;
+    // Other walks that come here from outside choose between the object's surface and its inside.
+    const auto from_outside = scene_.interaction(out.point, out.point.ng, out.medium);
+    const auto as_surface = surface_vertex<VertexOf<Scene>>(from_outside, out.point.ng);
+    v.vertex.material = as_surface.material;
+    v.vertex.shading = as_surface.shading;
+    if constexpr (Scene::ShaderType::k_may_absorb) v.absorption.here = v.absorption.beyond = state_.sigma_a;
+    const bool goes_on = !place.is_last && leave(out, out.point.ng, place.walk, S(1), v);
     path.vertices.push_back(v);
     previous_ = v.vertex.position;
     return goes_on;
+  }
+  [[nodiscard]] static constexpr Walk other_walk(Walk walk) noexcept {
+    return walk == Walk::eye ? Walk::light : Walk::eye;
   }
 
   void arrive(Walk walk, const Vec3<S>& position, S cosine, const Subpath<Scene>& path) {
@@ -168,8 +205,9 @@ class BidirectionalWalk {
                                               walk_start_pdf(scene_, direction));
   }
 
+  /// `share`: of the walks that come here and leave this way rather than below.
   template <class Hit>
-  bool leave(const Hit& hit, const Vec3<S>& known, Walk walk, BidirectionalVertex<Scene>& v) {
+  bool leave(const Hit& hit, const Vec3<S>& known, Walk walk, S share, BidirectionalVertex<Scene>& v) {
     const S q = survival_at(hit, known);
     if (!(stream_.next() < q)) return false;
     const std::optional<ScatterSample<S>> sample = sample_scatter<Scene>(hit, known, walk, stream_);
@@ -180,18 +218,19 @@ class BidirectionalWalk {
     if (sample->is_delta) {
       weights_.leave_by_dirac(cosine);
     } else {
-      const S pdf = v.vertex.is_in_medium() ? sample->pdf : q * sample->pdf;
-      const Walk other = walk == Walk::eye ? Walk::light : Walk::eye;
-      weights_.leave(cosine, pdf, walk_pdf(v.vertex, sample->direction, known, other));
+      const S pdf = v.vertex.is_in_medium() ? sample->pdf : share * q * sample->pdf;
+      weights_.leave(cosine, pdf, return_pdf(v, sample->direction, other_walk(walk)));
     }
     continue_walk(scene_, state_, hit, *sample);
-    state_.beta /= q;
+    state_.beta /= share * q;
     return true;
   }
 
   template <class Hit>
   [[nodiscard]] S survival_at(const Hit& hit, const Vec3<S>& known) const noexcept {
-    if constexpr (requires { hit.point; }) {
+    if constexpr (requires { hit.below; }) {
+      return survival_out(*hit.below);
+    } else if constexpr (requires { hit.point; }) {
       return survival(hit.material, hit.frame.to_local(known));
     } else {
       const Rgb<S> sigma_t = scene_.media().medium(hit.medium).sigma_t(hit.position, known);

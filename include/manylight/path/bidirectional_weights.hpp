@@ -17,6 +17,8 @@
 //
 // g turns a density per solid angle into one per area at z_{i-1}, rev is the other walk's density of going on to z_{i-2}.
 // At a vertex where a Dirac lobe was drawn, neither segment can be a connection, and both densities count as 1.
+// A segment through an object that scatters below its surface is drawn per area at its far end, whatever the way: there
+// g = 1 for both walks, and it may be a connection like any other.
 // Whatever a walk's own density leaves out, it has to leave out in the other walk's density of the same, too.
 
 #include <concepts>
@@ -55,6 +57,12 @@ struct PartialWeights {
   void leave_by_dirac(S cosine) noexcept {
     vc *= cosine;
     vcm = S(0);
+  }
+  /// The walk goes through an object to a place of that density, m^-2, where it has then arrived; `reverse_pdf` as in
+  /// `leave`.
+  void pass_below(S pdf_area, S reverse_pdf) noexcept {
+    vc = sum(reverse_pdf) / pdf_area;
+    vcm = S(1) / pdf_area;
   }
   [[nodiscard]] S sum(S reverse_pdf) const noexcept { return vcm + reverse_pdf * vc; }
 };

@@ -25,6 +25,26 @@ template <class Scene>
   return outside ? scene.shader(hit.point.shape).subsurface() : nullptr;
 }
 
+/// Lines that a walk draws: one point on average.
+inline constexpr unsigned k_passage_lines = 2;
+
+/// Expected number of places per area, m^-2, at the distance `d` (m) that a walk finds on its way through an object; both
+/// ways alike.
+template <class Below, std::floating_point S = typename Below::Scalar>
+[[nodiscard]] S passage_pdf(const Below& below, S d) noexcept {
+  return static_cast<S>(k_passage_lines) * below.falloff.line_pdf(d);
+}
+
+/// Share of walks from the direction `known` (local; `cosine` with the outward geometric normal, positive) that go below
+/// rather than on by the surface's own material.
+template <class Below, Material M, std::floating_point S = typename Below::Scalar>
+[[nodiscard]] S probability_below(const Below& below, const M& material, const Vec3<S>& known, S cosine) noexcept {
+  const S into = max_channel(below.rho) * (k_pi<S> * below.pattern(cosine) / cosine);
+  const bool scatters = max_channel(material.albedo()) > S(0) || material.is_delta();
+  const S on = scatters ? sampling_weight(material, known) : S(0);
+  return into > S(0) ? into / (into + on) : S(0);
+}
+
 /// Where a walk comes out of an object: an outer vertex.
 template <class Scene>
 struct Surfacing {
@@ -64,11 +84,7 @@ class Submersion {
 
   /// Share of walks that go below rather than on by the surface's own material.
   [[nodiscard]] S probability() const noexcept {
-    const S into = max_channel(below_.rho) * (k_pi<S> * pattern_ / cosine_);
-    const S on = max_channel(hit_.material.albedo()) > S(0) || hit_.material.is_delta()
-                     ? sampling_weight(hit_.material, hit_.frame.to_local(w_))
-                     : S(0);
-    return into > S(0) ? into / (into + on) : S(0);
+    return probability_below(below_, hit_.material, hit_.frame.to_local(w_), cosine_);
   }
 
   /// Goes through the object. Of several places one is drawn, times their number. None if there is none.
@@ -79,13 +95,12 @@ class Submersion {
   };
   template <SampleStream Stream>
   [[nodiscard]] std::optional<Passage> pass(const Scene& scene, Stream& stream, RayCounts& rays) const {
-    constexpr unsigned k_lines = 2;  // one point on average
     const SurfacePoint<S>& here = hit_.point;
     std::optional<SurfacePoint<S>> chosen;
     S chosen_pdf = S(0);
     unsigned found = 0;
-    rays.closest += k_lines;
-    random_lines(scene.geometry(), here.shape, here.position, below_.falloff, k_lines, stream,
+    rays.closest += k_passage_lines;
+    random_lines(scene.geometry(), here.shape, here.position, below_.falloff, k_passage_lines, stream,
                  [&](const SurfacePoint<S>& point, S pdf_area) {
                    ++found;
                    if (found > 1 && !(stream.next() * static_cast<S>(found) < S(1))) return;

@@ -4,7 +4,7 @@
 #include "render/job_impl.hpp"
 
 namespace manylight::render {
-template JobResult run_job<MethodGroup::no_subsurface, EmbreeGeometry, BlendedFileShader, FileMedia>(
+template JobResult run_job<MethodGroup::photons, EmbreeGeometry, BlendedFileShader, FileMedia>(
     scene_file::SceneDescription&, const Options&);
 }  // namespace manylight::render
 #endif

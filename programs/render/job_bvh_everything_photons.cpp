@@ -3,6 +3,6 @@
 #include "render/job_impl.hpp"
 
 namespace manylight::render {
-template JobResult run_job<MethodGroup::no_subsurface, Bvh<float>, BlendedFileShader, FileMedia>(
+template JobResult run_job<MethodGroup::photons, Bvh<float>, BlendedFileShader, FileMedia>(
     scene_file::SceneDescription&, const Options&);
 }  // namespace manylight::render
