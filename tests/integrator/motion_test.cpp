@@ -119,6 +119,22 @@ TEST(Motion, MethodsAgreeOnMovingLightAndOccluder) {
   }
 }
 
+/// What stands still while the shutter is open has the clamp of the single instant, though each of its lights is n times
+/// as strong in its own: I_avg is what a pixel gets. Caught: I_avg without the division by n, which clamped 32 times as
+/// hard at 32 instants.
+TEST(Motion, MeanIntensityDoesNotDependOnInstants) {
+  const auto mean_intensity = [](std::uint32_t instants) {
+    const MovingScene scene = moving_scene(
+        instants, [](double, EmitterList<S>& lights) { lights.areas.push_back({1, Texture<S>(Rgb<S>(3)), true}); },
+        [](double) { return V(0, 0, 1); });
+    RayCounts rays;
+    return trace_vpls(scene, VplConfig{4096, 6}, IndependentSampler<S>{1}, SerialExecutor{}, rays).mean_intensity;
+  };
+  const S one = mean_intensity(1);
+  EXPECT_GT(one, 0);
+  EXPECT_NEAR(mean_intensity(32), one, 1e-3 * one) << "the same paths, dealt to instants nearly evenly";
+}
+
 /// A camera that moves sideways by the width of what it sees: the mean of the instants' views.
 TEST(Motion, MovingCamera) {
   const MovingScene scene = moving_scene(

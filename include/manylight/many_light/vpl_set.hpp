@@ -25,7 +25,9 @@ template <class Scene>
 struct VplSet {
   std::vector<VertexOf<Scene>> vpls;          ///< strength = I, W
   std::size_t path_count = 0;                 ///< N
-  typename Scene::Scalar mean_intensity = 0;  ///< I_avg: mean luminance of I over VPLs that are not exact, W
+  /// I_avg: mean luminance of I over VPLs that are not exact, W. In motion each lights one of n instants n times as
+  /// strongly; this is its mean over the shutter interval, which is what a pixel gets of it.
+  typename Scene::Scalar mean_intensity = 0;
 };
 
 namespace detail {
@@ -127,7 +129,7 @@ void normalise(VplSet<Scene>& set, std::size_t exact_count, std::uint32_t instan
     set.vpls[i].strength /= static_cast<S>(paths_of(set.vpls[i], set.path_count, instants));
     sum += static_cast<double>(luminance(set.vpls[i].strength));
   }
-  set.mean_intensity = static_cast<S>(sum / static_cast<double>(set.vpls.size() - exact_count));
+  set.mean_intensity = static_cast<S>(sum / static_cast<double>(set.vpls.size() - exact_count) / instants);
 }
 
 /// Whether light paths can leave a VPL: not if they consist of the emission alone and that is exact.
