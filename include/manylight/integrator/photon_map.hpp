@@ -174,10 +174,9 @@ class PhotonMapIntegrator {
   }
   [[nodiscard]] Rgb<S> environment(const Branch& branch) const {
     if (branch.since == Since::dirac) return Rgb<S>(0);
-    const Rgb<S> radiance = scene_.emitters().environment(branch.walk.ray.direction);
-    if (branch.since == Since::camera || is_black(radiance)) return radiance;
-    const S light = branch.light_share * scene_.emitters().pdf_direct_environment(branch.walk.ray.direction);
-    return radiance * (branch.pdf / (branch.pdf + light));
+    const EnvironmentLight<S> light = scene_.emitters().environment_light(branch.walk.ray.direction);
+    if (branch.since == Since::camera || is_black(light.radiance)) return light.radiance;
+    return light.radiance * (branch.pdf / (branch.pdf + branch.light_share * light.pdf));
   }
 
   template <class Hit, class Stream>

@@ -196,13 +196,12 @@ class BidirectionalWalk {
   void escape(Subpath<Scene>& path) const {
     const Vec3<S>& direction = state_.ray.direction;
     path.last_direction = direction;
-    const Rgb<S> radiance = scene_.emitters().environment(direction);
-    if (is_black(radiance)) return;
-    path.environment = state_.beta * radiance;
+    const EnvironmentLight<S> light = scene_.emitters().environment_light(direction);
+    if (is_black(light.radiance)) return;
+    path.environment = state_.beta * light.radiance;
     path.environment_weight =
         path.vertices.empty() ? S(1)
-                              : weight_of_hit(weights_, scene_.emitters().pdf_direct_environment(direction),
-                                              walk_start_pdf(scene_, direction));
+                              : weight_of_hit(weights_, light.pdf, walk_start_pdf(scene_, direction));
   }
 
   /// `share`: of the walks that come here and leave this way rather than below.

@@ -65,9 +65,9 @@ template <class Scene, std::floating_point S>
 /// The same of the environment, for a walk that has left the scene.
 template <class Scene, std::floating_point S>
 [[nodiscard]] Rgb<S> hit_environment(const Scene& scene, const Vec3<S>& direction, const LastBounce<S>& bounce) {
-  const Rgb<S> radiance = scene.emitters().environment(direction);
-  if (!bounce.is_weighted || is_black(radiance)) return radiance;
-  return radiance * (bounce.pdf / (bounce.pdf + scene.emitters().pdf_direct_environment(direction)));
+  const EnvironmentLight<S> light = scene.emitters().environment_light(direction);
+  if (!bounce.is_weighted || is_black(light.radiance)) return light.radiance;
+  return light.radiance * (bounce.pdf / (bounce.pdf + light.pdf));
 }
 
 }  // namespace manylight

@@ -47,13 +47,19 @@ class Emitters {
   [[nodiscard]] Rgb<S> emitted(const SurfacePoint<S>& p, const Vec3<S>& wo) const noexcept {
     return shapes_.emitted(p, wo);
   }
-  /// Radiance that arrives from the unit direction `w` (towards the light) where no surface is hit, W m^-2 sr^-1: the
-  /// sum of all environments. Directional lights are not in it.
-  [[nodiscard]] Rgb<S> environment(const Vec3<S>& w) const noexcept {
-    Rgb<S> sum(0);
-    for (const auto& e : environments_) sum += e.eval(w);
+  /// What arrives from the unit direction `w` (towards the light) where no surface is hit, the sum of all environments,
+  /// and the density with which `sample_direct` draws that direction. Directional lights are not in it.
+  [[nodiscard]] EnvironmentLight<S> environment_light(const Vec3<S>& w) const noexcept {
+    EnvironmentLight<S> sum;
+    for (std::uint32_t i = 0; i < environments_.size(); ++i) {
+      const EnvironmentLight<S> light = environments_[i].light(w);
+      sum.radiance += light.radiance;
+      if (!empty()) sum.pdf += static_cast<S>(table_.pmf(first_environment() + i)) * light.pdf;
+    }
     return sum;
   }
+  /// Its radiance alone, W m^-2 sr^-1.
+  [[nodiscard]] Rgb<S> environment(const Vec3<S>& w) const noexcept { return environment_light(w).radiance; }
 
   // ---- next event estimation ----
 
@@ -76,15 +82,7 @@ class Emitters {
     return pmf * area_to_solid_angle(primitive, light.position - reference, std::abs(glm::dot(light.ng, wi)));
   }
   /// The same for light that arrives from the unit direction `wi` at infinity, sr^-1.
-  [[nodiscard]] S pdf_direct_environment(const Vec3<S>& wi) const noexcept {
-    S sum = S(0);
-    if (empty()) return sum;
-    for (std::uint32_t i = 0; i < environments_.size(); ++i) {
-      const S pmf = static_cast<S>(table_.pmf(first_environment() + i));
-      if (pmf > S(0)) sum += pmf * environments_[i].pdf(wi);
-    }
-    return sum;
-  }
+  [[nodiscard]] S pdf_direct_environment(const Vec3<S>& wi) const noexcept { return environment_light(wi).pdf; }
 
   // ---- light subpaths ----
 

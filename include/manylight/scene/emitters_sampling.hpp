@@ -143,11 +143,12 @@ template <std::floating_point S>
 std::optional<DirectSample<S>> Emitters<S>::direct_environment(const Slot& slot, const Vec2<S>& u) const noexcept {
   DirectSample<S> sample;
   sample.wi = environments_[slot.index].sample(u);
-  sample.pdf = pdf_direct_environment(sample.wi);
+  const EnvironmentLight<S> light = environment_light(sample.wi);
+  sample.pdf = light.pdf;
   // Rounding may carry a direction over the border into a black cell.
   if (!(sample.pdf > S(0))) return std::nullopt;
   sample.distance = k_infinity<S>;
-  sample.radiance = environment(sample.wi);
+  sample.radiance = light.radiance;
   sample.kind = EmitterKind::environment;
   sample.infinite = true;
   return sample;
@@ -236,10 +237,11 @@ std::optional<EmissionSample<S>> Emitters<S>::emission_environment(const Slot& s
   EmissionSample<S> sample;
   sample.kind = EmitterKind::environment;
   sample.wo = -to_light;
-  sample.pdf_direction = pdf_direct_environment(to_light);
+  const EnvironmentLight<S> light = environment_light(to_light);
+  sample.pdf_direction = light.pdf;
   if (!(sample.pdf_direction > S(0))) return std::nullopt;
   sample.position = entry_point(sample.wo, u_position);
-  sample.radiance = environment(to_light);
+  sample.radiance = light.radiance;
   sample.pdf_position = entry_pdf();
   sample.intensity = sample.radiance / (sample.pdf_position * sample.pdf_direction);
   sample.beta = sample.intensity;
