@@ -95,7 +95,8 @@ def cloth(folder):
         volume("density", "weave_density.vol", grid_box(low, extent), copies),
         volume("orientation", "weave_axis.vol", grid_box(low, extent), copies),
         color('volume type="constvolume"', "albedo", "0.9, 0.5, 0.32"),
-        '      <float name="scale" value="7000"/>', '      <phase type="microflake"><float name="stddev" value="0.2575"/></phase>'])
+        '      <float name="scale" value="7000"/>',
+        '      <phase type="microflake"><float name="stddev" value="0.2575"/></phase>'])
 
 
 def milk(folder):
