@@ -68,8 +68,8 @@ def volume(name, file, place, copies=""):
             % (name, file, copies, place))
 
 
-def color(tag, name, value):
-    return '      <%s name="%s"><rgb name="value" value="%s"/></volume>' % (tag, name, value)
+def albedo(value):
+    return '      <volume type="constvolume" name="albedo"><rgb name="value" value="%s"/></volume>' % value
 
 
 def smoke(folder):
@@ -78,7 +78,7 @@ def smoke(folder):
     low, extent = (-0.3, -0.3, 0.05), (0.6, 0.6, 0.85)
     return medium_cube(low, extent, [
         volume("density", "smoke.vol", grid_box(low, extent)),
-        color('volume type="constvolume"', "albedo", "0.9, 0.9, 0.92"),
+        albedo("0.9, 0.9, 0.92"),
         '      <float name="scale" value="90"/>', '      <phase type="hg"><float name="g" value="0.5"/></phase>'])
 
 
@@ -94,7 +94,7 @@ def cloth(folder):
     return medium_cube(low, extent, [
         volume("density", "weave_density.vol", grid_box(low, extent), copies),
         volume("orientation", "weave_axis.vol", grid_box(low, extent), copies),
-        color('volume type="constvolume"', "albedo", "0.9, 0.5, 0.32"),
+        albedo("0.9, 0.5, 0.32"),
         '      <float name="scale" value="7000"/>',
         '      <phase type="microflake"><float name="stddev" value="0.2575"/></phase>'])
 
@@ -106,17 +106,19 @@ def milk(folder):
     return ['  <shape type="ply"><string name="filename" value="milk.ply"/><ref id="black"/>',
             '    <transform name="to_world"><translate x="0" y="-0.1" z="0.001"/></transform>',
             '    <subsurface type="exponential"><rgb name="reflectance" value="0.93, 0.90, 0.82"/>',
-            '      <rgb name="length" value="0.03, 0.025, 0.018"/><float name="int_ior" value="1.35"/></subsurface></shape>']
+            '      <rgb name="length" value="0.03, 0.025, 0.018"/><float name="int_ior" value="1.35"/></subsurface>',
+            "  </shape>"]
 
 
 def slab(thickness):
     """Upright, from wall to wall nearly, a second lamp behind it."""
     jade = ["    " + line for line in JADE]
+    behind = '<scale value="0.1"/><rotate x="1" angle="90"/><translate x="0" y="0.45" z="0.45"/>'
 
     def make(_folder):
         return ['  <shape type="cube"><transform name="to_world"><scale x="0.35" y="%g" z="0.35"/>'
                 '<translate x="0" y="0" z="0.45"/></transform><ref id="black"/>' % (thickness / 2), *jade, "  </shape>",
-                rectangle("black", '<scale value="0.1"/><rotate x="1" angle="90"/><translate x="0" y="0.45" z="0.45"/>', 20)]
+                rectangle("black", behind, 20)]
     return make
 
 

@@ -128,9 +128,8 @@ S weight(const RandomPath& path, std::size_t s) {
   return weight_of_connection(path.b(s - 1), light_sum, path.f(s), eye_sum(path, s));
 }
 
-/// Lights at infinity and nearby, with and without a surface; Dirac vertices and segments through objects anywhere; with and
-/// without lens. Rounding of some
-/// 50 operations: 1e-13. Caught: vcm kept at a Dirac vertex; no cosine in `leave`; no
+/// Lights at infinity and nearby, with and without a surface; Dirac vertices and segments through objects anywhere; with
+/// and without lens. Rounding of some 50 operations: 1e-13. Caught: vcm kept at a Dirac vertex; no cosine in `leave`; no
 /// cosine in s = 1; vc of a point light; the segment through an object left out.
 TEST(BidirectionalWeights, AreTheSharesOfTheDensitiesAndSumToOne) {
   std::size_t strategies = 0;
