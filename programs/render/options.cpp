@@ -155,7 +155,7 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
   std::string method = "bdlc";
   std::string bounds = "automatic";
   std::string backend = "bvh";
-  std::string sampler = "independent";
+  std::string sampler = "sobol";
   double time_limit = 0;
   double progress_images = 0;
   int max_depth = 0;
@@ -190,7 +190,7 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
                "Light straight through a thin pane costs no edge of --max-depth (method path)");
   app.add_option("--backend", backend, "Ray tracer: bvh (built in) or embree")
       ->check(CLI::IsMember(backends))->capture_default_str();
-  app.add_option("--sampler", sampler, "Random numbers: independent or sobol (Owen-scrambled)")
+  app.add_option("--sampler", sampler, "Random numbers: sobol (Owen-scrambled) or independent")
       ->check(CLI::IsMember(samplers))->capture_default_str();
   app.add_option("--filter", o.filter, "Reconstruction filter: box, tent or gaussian [from the file]")
       ->check(CLI::IsMember({"box", "tent", "gaussian"}));

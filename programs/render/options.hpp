@@ -36,7 +36,7 @@ struct Options {
   std::optional<int> max_depth;  ///< edges; -1 unlimited
   bool straight_is_free = false;  ///< light straight through a thin pane costs no edge; path only
   Backend backend = Backend::bvh;
-  SamplerKind sampler = SamplerKind::independent;
+  SamplerKind sampler = SamplerKind::sobol;
   std::string filter;  ///< box, tent or gaussian; empty: from the file
   std::uint64_t seed = 0;
   std::uint32_t threads = 0;

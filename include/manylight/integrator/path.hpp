@@ -184,9 +184,7 @@ bool PathIntegrator<Scene>::scatter_at(const Hit& hit, WalkState<S>& walk, unsig
   visitor.leave(hit, wo, *sample);
   continue_walk(scene_, walk, hit, *sample);
   if (edges + 1 >= config_.roulette_edges) {
-    // The throughput grows by albedo / cap per bounce, its square times the survival by albedo^2 / cap: the variance is
-    // finite up to an albedo of sqrt(0.99) = 0.995.
-    const S survival = std::min(S(0.99), max_channel(walk.beta));
+    const S survival = survival_by_throughput(walk.beta);
     if (!(stream.next() < survival)) return false;
     walk.beta /= survival;
   }

@@ -150,7 +150,7 @@ class ProgressivePhotonIntegrator {
       if (!sample || (merges && !sample->is_delta)) return emitted;
       continue_walk(scene_, walk, hit, *sample);
       if (edges + 1 >= config_.roulette_edges) {
-        const S survival = std::min(S(0.99), max_channel(walk.beta));
+        const S survival = survival_by_throughput(walk.beta);
         if (!(stream.next() < survival)) return emitted;
         walk.beta /= survival;
       }

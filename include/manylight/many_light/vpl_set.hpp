@@ -96,8 +96,9 @@ template <class Scene, Sampler Random, Executor Exec>
     LightBatch<Scene>& batch = batches[b];
     const std::size_t end = std::min(count, (b + 1) * per_batch);
     for (std::size_t i = b * per_batch; i < end; ++i) {
-      auto stream = sampler.stream(Stage::light, first + i, 0);
+      // The paths of an instant fill the space of paths together.
       const auto instant = static_cast<std::uint32_t>((first + i) % instant_count(scene));
+      auto stream = sampler.stream(Stage::light, instant, static_cast<std::uint32_t>((first + i) / instant_count(scene)));
       const auto& now = at_instant(scene, instant);
       const std::size_t first_vpl = batch.vpls.size();
       LightSubpath<std::remove_cvref_t<decltype(now)>, decltype(stream)>(now, max_edges, stream, batch.rays, batch.vpls)

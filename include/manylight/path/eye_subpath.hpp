@@ -179,7 +179,8 @@ class EyeSubpath {
     return visit(walk, record, passage->out, ++edges, step);
   }
 
-  /// Russian roulette on the strength relative to that of the path's first sensor (theory 2.2).
+  /// Russian roulette on the strength relative to that of the path's first sensor, from a half on: sensors behind it cost
+  /// less than the noise of those that roulette makes as strong as the first.
   bool survives(WalkState<S>& walk, const Rgb<S>& scattering) {
     const S strength = max_channel(walk.beta * scattering);
     if (!(strength > S(0))) return false;
@@ -187,7 +188,7 @@ class EyeSubpath {
       reference_strength_ = strength;
       return true;
     }
-    const S survival = std::min(S(1), strength / reference_strength_);
+    const S survival = std::min(S(1), S(2) * strength / reference_strength_);
     if (survival < S(1)) {
       if (stream_.next() >= survival) return false;
       walk.beta /= survival;
