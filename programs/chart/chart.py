@@ -46,8 +46,8 @@ def _loads(records):
 
 
 def _parameters(options):
-    names = ("methods", "budget", "rungs", "seeds", "reference_batches", "reference_budget", "reference_spp", "width",
-             "height", "window", "common", "threads", "clock", "metric", "ledger_spp")
+    names = ("methods", "budget", "rungs", "seeds", "reference_noise", "reference_batches", "reference_budget",
+             "reference_spp", "width", "height", "window", "common", "threads", "clock", "metric", "ledger_spp")
     return {name: getattr(options, name) for name in names}
 
 

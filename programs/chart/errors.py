@@ -111,18 +111,27 @@ def _estimates(gram, runs):
     return [{"value": float(value), "standard_error": float(error)} for value, error in zip(values, errors)]
 
 
-def split(runs, batches):
-    """Error of independent runs against independent references, or one that counts as exact: variance and bias^2."""
+def split(runs, batches, relative_noise=0.0):
+    """Error of independent runs against independent references, or one image: variance and bias^2.
+
+    One image tells nothing of its noise: `relative_noise` is its relative variance. As it is independent of the runs,
+    E[(x - r)^2] holds it beside their variance and bias^2.
+    """
     truth = np.mean(batches, axis=0)
     centred = np.array([image - truth for image in [*runs, *batches]]).reshape(len(runs) + len(batches), -1)
     weights = (1 / (truth ** 2 + dark_term(truth))).ravel()
     terms, count = truth.size, len(batches)
     result = {}
-    for prefix, gram in (("", centred @ centred.T), ("rel_", (centred * weights) @ centred.T)):
+    for prefix, gram, noise in (("", centred @ centred.T, 0.0),
+                                ("rel_", (centred * weights) @ centred.T, relative_noise)):
         gram /= terms
         names = [prefix + name for name in ("mse", "variance", "bias_squared")]
         result.update(zip(names, _estimates(gram, len(runs))))
-        noise = np.trace(gram[len(runs):, len(runs):]) / (count * (count - 1)) if count > 1 else 0.0
+        if count > 1:
+            noise = np.trace(gram[len(runs):, len(runs):]) / (count * (count - 1))
+        else:
+            for name in (prefix + "mse", prefix + "bias_squared"):
+                result[name]["value"] -= noise
         result[prefix + "reference_variance"] = float(noise)
     means, reference_means = ([image.mean() for image in images] for images in (runs, batches))
     ratio = np.mean(means) / truth.mean()

@@ -38,14 +38,14 @@ def require_same_size(reference, image):
         raise InputError(f"the reference has {sizes[0]} pixels, the runs {sizes[1]}")
 
 
-def _rung(folder, records, batches, truth):
+def _rung(folder, records, batches, truth, noise):
     pictures = [load_image(folder, record) for record in records]
     require_same_size(truth, pictures[0])
     run_list = [{**{key: record[key] for key in _RUN_KEYS}, **errors.measure(picture, truth)}
                 for record, picture in zip(records, pictures)]
     rung = {"settings": records[0]["settings"], "runs": run_list}
     if len(pictures) > 1:
-        rung["split"] = errors.split(pictures, batches)
+        rung["split"] = errors.split(pictures, batches, noise)
     return rung
 
 
@@ -98,7 +98,8 @@ def evaluate(folder, methods, records, options):
         raise InputError("the reference is black: there is nothing to relate errors to")
     result = {"methods": [], "height": truth.shape[0], "width": truth.shape[1]}
     for method in methods:
-        rungs = [_rung(folder, rung, batches, truth) for rung in records["methods"][method["label"]]]
+        rungs = [_rung(folder, rung, batches, truth, options.reference_noise)
+                 for rung in records["methods"][method["label"]]]
         entry = {"label": method["label"], "rungs": rungs,
                  "missing": _missing(records["ledger"].get(method["label"]))}
         entry["bias_floor"] = bias_floor(entry, options.metric)
@@ -113,10 +114,12 @@ def evaluate(folder, methods, records, options):
 def _describe_reference(records, batches, truth, methods, options):
     least = min(medians(rung, "rel_mse") for method in methods for rung in method["rungs"])
     if options.reference:
-        return {"file": str(options.reference), "rel_variance": None, "share_of_least_error": None}
-    count = len(batches)
-    noise = sum((batch - truth) ** 2 for batch in batches) / max(count * (count - 1), 1)
-    relative = float((noise / (truth ** 2 + errors.dark_term(truth))).mean()) if truth.any() else 0.0
-    return {"settings": records[0]["settings"], "batches": count, "rel_variance": relative,
-            "share_of_least_error": relative / least if least > 0 else None,
-            "runs": [{key: record[key] for key in _RUN_KEYS} for record in records]}
+        source, relative = {"file": str(options.reference)}, options.reference_noise or None
+    else:
+        count = len(batches)
+        noise = sum((batch - truth) ** 2 for batch in batches) / max(count * (count - 1), 1)
+        relative = float((noise / (truth ** 2 + errors.dark_term(truth))).mean()) if truth.any() else 0.0
+        source = {"settings": records[0]["settings"], "batches": count,
+                  "runs": [{key: record[key] for key in _RUN_KEYS} for record in records]}
+    return {**source, "rel_variance": relative,
+            "share_of_least_error": relative / least if relative is not None and least > 0 else None}

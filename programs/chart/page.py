@@ -108,16 +108,20 @@ def markdown(head, rows):
 
 def reference_text(reference):
     """How good the reference is, in a sentence."""
-    if "file" in reference:
+    noise, share = reference["rel_variance"], reference["share_of_least_error"]
+    if noise is None:
         return f"{reference['file']}, taken as exact: its own noise counts as error of the methods."
-    share = reference["share_of_least_error"]
-    text = (f"{reference['batches']} independent images by path, {reference['settings']['spp']} samples per pixel "
-            f"each, with seeds of their own; relative variance of their mean {reference['rel_variance']:.2g}")
+    if "file" in reference:
+        text = f"{reference['file']}; relative variance, as given with --reference-noise, {noise:.2g}"
+        split, advice = "relative bias² has it taken off, the absolute one has not.", ""
+    else:
+        text = (f"{reference['batches']} independent images by path, {reference['settings']['spp']} samples per pixel "
+                f"each, with seeds of their own; relative variance of their mean {noise:.2g}")
+        split = "the split into variance and bias² has it taken off."
+        advice = " More than 1 %: a larger --reference-budget would make the lower ends more exact."
     if share is None:
         return text + "."
-    advice = " More than 1 %: a larger --reference-budget would make the lower ends more exact."
-    return (text + f", {100 * share:.2g} % of the least error charted; the split into variance and bias² has it taken "
-            "off." + ("" if share <= 0.01 else advice))
+    return text + f", {100 * share:.2g} % of the least error charted; {split}" + ("" if share <= 0.01 else advice)
 
 
 def not_applicable_text(chart):

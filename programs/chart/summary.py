@@ -11,6 +11,7 @@ from failure import InputError
 
 TARGETS = (0.01, 0.003)  # relMSE
 _LEAST_OVER_NOISE = 3.0  # a level below that many variances of the reference would be read off its noise
+_LEAST_OF_NOISE = 0.1  # what is left of an error without the reference's variance is not known any better than that
 
 
 def load(folder):
@@ -58,9 +59,9 @@ def _percent(estimate):
 
 def _row(name, chart, method):
     times = [evaluate.medians(rung, evaluate.CLOCKS[chart["parameters"]["clock"]]) for rung in method["rungs"]]
-    found = [_median(rung) for rung in method["rungs"]]
-    bias_squared = _bias_squared(method)
     noise = chart["reference"]["rel_variance"] or 0.0
+    found = [max(_median(rung) - noise, _LEAST_OF_NOISE * noise) for rung in method["rungs"]]
+    bias_squared = _bias_squared(method)
     cells = [time_cell(target, noise, times, found, bias_squared) for target in TARGETS]
     bias = f"{bias_squared[0]:.2g} ± {bias_squared[1]:.1g}" if bias_squared else "-"
     missing = _percent(method["missing"]["against_reference"]) if method["missing"] else "-"
@@ -86,9 +87,11 @@ def rows(charts):
 
 
 def _reference(chart):
-    if "file" in chart["reference"]:
+    noise = chart["reference"]["rel_variance"]
+    if noise is None:
         return "reference from a file, whose noise counts as error and bias"
-    return f"relative variance of the reference {chart['reference']['rel_variance']:.2g}"
+    source = ", a file, as given" if "file" in chart["reference"] else ""
+    return f"relative variance of the reference{source} {noise:.2g}"
 
 
 def _command(chart):
@@ -120,6 +123,6 @@ def markdown(charts):
                      f"{_command(chart)}\n")
     return (f"{where} Medians over seeds. Seconds until relMSE falls to a level are read off in log-log between the "
             "points: `<` where the first is below it, `>` where the last is not; a level below "
-            f"{_LEAST_OVER_NOISE:g} variances of the reference is raised to them. relMSE holds that variance, bias² does "
-            "not.\n\n"
+            f"{_LEAST_OVER_NOISE:g} variances of the reference is raised to them. relMSE is without that variance, "
+            "though never below a tenth of it; bias² is without it too.\n\n"
             + page.markdown(*rows(charts)) + "\n" + "".join(lines))
