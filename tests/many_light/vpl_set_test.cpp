@@ -153,7 +153,7 @@ TYPED_TEST(VplSets, RoundsDoNotShow) {
     std::vector<VertexOf<SceneType>> expected;
     std::size_t paths = 0;
     for (; expected.size() < count; ++paths) {
-      auto stream = sampler.stream(Stage::light, paths, 0);
+      auto stream = sampler.stream(Stage::light, 0, static_cast<std::uint32_t>(paths));
       LightSubpath<SceneType, decltype(stream)>(scene, 0xFFFF, stream, expected_rays, expected).trace();
     }
     ASSERT_EQ(set.path_count, paths);
