@@ -18,7 +18,7 @@ enum Writing : int { idle, writing, ended };
 std::atomic<bool> is_stop_requested{false};
 std::atomic<bool> is_end_requested{false};
 std::atomic<int> writer{idle};
-std::atomic<std::int64_t> first_signal{0};  // ns
+std::atomic<std::int64_t> first_signal{0};  // ns, 0: none yet
 static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_always_lock_free &&
               std::atomic<std::int64_t>::is_always_lock_free);
 
@@ -29,13 +29,15 @@ static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_alw
 }
 
 extern "C" void on_stop_signal(int) {
-  if (!is_stop_requested.exchange(true)) {
-    first_signal = now();
+  // One step, as another thread may be here with the second signal.
+  std::int64_t first = 0;
+  if (first_signal.compare_exchange_strong(first, now())) {
+    is_stop_requested = true;
     return;
   }
   // timeout(1) signals its child and then the group that it belongs to: one request, not two.
   constexpr std::int64_t k_same_request = 50'000'000;
-  if (now() - first_signal < k_same_request) return;
+  if (now() - first < k_same_request) return;
   is_end_requested = true;
   int expected = idle;
   if (writer.compare_exchange_strong(expected, ended)) _exit(k_exit_interrupted);
