@@ -20,7 +20,8 @@
 
 namespace manylight {
 
-/// A mean over the window with its standard error, from samples taken as independent, W/m^2/sr.
+/// A mean over the window with its standard error, from samples taken as independent, W/m^2/sr; of a stratified sampler
+/// the true error is smaller.
 struct LedgerMean {
   Rgb<double> rgb{0};
   Rgb<double> rgb_error{0};

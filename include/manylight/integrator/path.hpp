@@ -9,13 +9,12 @@
 
 #include <cstdint>
 #include <limits>
-#include <string>
+#include <optional>
 #include <vector>
 
-#include "manylight/integrator/film.hpp"
+#include "manylight/integrator/pixel_samples.hpp"
 #include "manylight/path/direct_light.hpp"
 #include "manylight/path/transfer.hpp"
-#include "manylight/scene/instants.hpp"
 
 namespace manylight {
 
@@ -27,20 +26,6 @@ struct PathConfig {
 
   /// Throws ParameterError.
   void validate() const { require(max_edges >= 1, "maximum path length", max_edges, "at least 1 segment"); }
-};
-
-/// What a set of samples cost.
-struct PathStatistics {
-  RayCounts rays;
-  std::uint64_t samples = 0;
-  std::uint64_t invalid = 0;  ///< samples that were not finite or negative: dropped and counted
-
-  PathStatistics& operator+=(const PathStatistics& other) noexcept {
-    rays += other.rays;
-    samples += other.samples;
-    invalid += other.invalid;
-    return *this;
-  }
 };
 
 template <class Scene>
@@ -226,33 +211,11 @@ PathStatistics accumulate_path_samples(const PathIntegrator<Scene>& integrator, 
                                        std::vector<Rgb<double>>& sums, const Exec& executor,
                                        const Progress& progress = {}) {
   using S = typename Scene::Scalar;
-  window.validate(camera.width(), camera.height());
-  require(sums.size() == window.pixel_count(), "number of sums", sums.size(),
-          "one per pixel of the window: " + std::to_string(window.pixel_count()));
-  const auto render_tile = [&](const Window& tile) {
-    PathStatistics statistics;
-    for (std::uint32_t y = tile.y0; y < tile.y1; ++y) {
-      for (std::uint32_t x = tile.x0; x < tile.x1; ++x) {
-        Rgb<double>& sum = sums[window.index(x, y)];
-        for (std::uint32_t i = first; i < first + count; ++i) {
-          auto stream = sampler.stream(Stage::eye, film_index(camera, x, y), i);
-          const std::uint32_t instant = sample_instant(instant_count(integrator), film_index(camera, x, y), i);
-          const Ray<S> ray = camera_ray(at_instant(camera, instant), filter, x, y, stream);
-          const Rgb<S> sample = at_instant(integrator, instant).radiance(ray, stream, statistics.rays);
-          ++statistics.samples;
-          if (is_valid_radiance(sample)) {
-            sum += Rgb<double>(sample);
-          } else {
-            ++statistics.invalid;
-          }
-        }
-      }
-    }
-    return statistics;
+  const auto radiance = [&](const Ray<S>& ray, std::size_t, std::uint32_t instant, auto& stream, RayCounts& rays) {
+    return at_instant(integrator, instant).radiance(ray, stream, rays);
   };
-  PathStatistics total;
-  for (const PathStatistics& tile : for_each_tile(window, executor, render_tile, progress)) total += tile;
-  return total;
+  return detail::accumulate_samples<S>(camera, instant_count(integrator), filter, window, sampler, first, count, sums,
+                                       radiance, executor, progress);
 }
 
 }  // namespace manylight

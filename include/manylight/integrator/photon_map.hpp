@@ -17,8 +17,9 @@
 #include <optional>
 #include <vector>
 
+#include "manylight/integrator/glossy.hpp"
 #include "manylight/integrator/photon_map_light.hpp"
-#include "manylight/integrator/photon_samples.hpp"
+#include "manylight/integrator/pixel_samples.hpp"
 
 namespace manylight {
 
@@ -264,11 +265,10 @@ PathStatistics accumulate_photon_map_samples(const PhotonMapIntegrator<Scene>& i
                                              std::uint32_t count, std::vector<Rgb<double>>& sums, const Exec& executor,
                                              const Progress& progress = {}) {
   using S = typename Scene::Scalar;
-  const auto radiance = [&](const Ray<S>& ray, std::size_t, auto& stream, RayCounts& rays) {
+  const auto radiance = [&](const Ray<S>& ray, std::size_t, std::uint32_t, auto& stream, RayCounts& rays) {
     return integrator.radiance(ray, stream, rays);
   };
-  return detail::accumulate_samples<S>(camera, filter, window, sampler, Stage::eye, first, count, sums, radiance, executor,
-                                       progress);
+  return detail::accumulate_samples<S>(camera, 1, filter, window, sampler, first, count, sums, radiance, executor, progress);
 }
 
 }  // namespace manylight

@@ -17,7 +17,8 @@
 #include <limits>
 #include <vector>
 
-#include "manylight/integrator/photon_samples.hpp"
+#include "manylight/integrator/glossy.hpp"
+#include "manylight/integrator/pixel_samples.hpp"
 #include "manylight/many_light/photon_trace.hpp"
 
 namespace manylight {
@@ -241,11 +242,10 @@ PathStatistics accumulate_photon_passes(const ProgressivePhotonIntegrator<Scene>
   PathStatistics total;
   for (std::uint32_t i = first; i < first + count; ++i) {
     const auto pass = integrator.trace_pass(i, sampler, executor, total.rays);
-    const auto radiance = [&](const Ray<S>& ray, std::size_t pixel, auto& stream, RayCounts& rays) {
+    const auto radiance = [&](const Ray<S>& ray, std::size_t pixel, std::uint32_t, auto& stream, RayCounts& rays) {
       return integrator.radiance(ray, pass, radii[pixel], stream, rays);
     };
-    total += detail::accumulate_samples<S>(camera, filter, window, sampler, Stage::eye, i, 1, sums, radiance, executor,
-                                           progress);
+    total += detail::accumulate_samples<S>(camera, 1, filter, window, sampler, i, 1, sums, radiance, executor, progress);
   }
   return total;
 }
