@@ -106,7 +106,7 @@ void expect_whole(const RunningMoments& image, const Ledger& ledger, const std::
   EXPECT_LE(std::abs(image.mean() + ledger.total.rgb.x - 1), student_limit(1e-4, k_runs - 1) * error + k_tail)
       << name << ": image " << image.mean() << " +- " << image.standard_error() << ", missing " << ledger.total.rgb.x
       << " +- " << ledger.total.rgb_error.x;
-  EXPECT_LT(error, 0.03) << name;
+  EXPECT_LT(error, 0.035) << name;
 }
 
 /// Entries that are known, within 3.9 standard errors, 1e-4 two-sided.
