@@ -33,7 +33,7 @@ check_umbrella() {
   for name in $(headers | sed 's|^include/||'); do
     case $name in
       manylight/manylight.hpp | manylight/fwd.hpp) continue ;;
-      manylight/core/tbb_executor.hpp | manylight/geometry/embree.hpp)
+      manylight/core/tbb_executor.hpp | manylight/geometry/embree.hpp | manylight/geometry/embree_scene.hpp)
         ! grep -q "\"$name\"" include/manylight/manylight.hpp || fail "the umbrella includes the bridge $name" ;;
       *) grep -q "^#include \"$name\"" include/manylight/manylight.hpp || fail "the umbrella lacks $name" ;;
     esac
