@@ -5,7 +5,6 @@
 
 #include <array>
 #include <cmath>
-#include <iostream>
 #include <vector>
 
 #include "integrator/bidirectional_oracle.hpp"
@@ -238,7 +237,6 @@ void expect_weights(const SceneType& scene, const PerspectiveCamera<double>& cam
     for (std::size_t s = sees_lights ? 0 : 1; s <= 5; ++s) EXPECT_GT(check.of_s[s], 50U) << "s = " << s;
     for (std::size_t t = with_lens ? 1 : 2; t <= 6; ++t) EXPECT_GT(check.of_t[t], 50U) << "t = " << t;
     EXPECT_GE(check.connected_below, SceneType::k_has_subsurface ? 50U : 0U);
-    std::cout << check.compared << " weights, worst " << check.worst << '\n';
   }
 }
 
