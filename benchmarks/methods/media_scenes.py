@@ -133,7 +133,7 @@ SCENES = {
 
 
 def main(arguments):
-    if len(arguments) != 1:
+    if len(arguments) != 1 or arguments[0].startswith("-"):
         print("usage: media_scenes.py FOLDER", file=sys.stderr)
         return 2
     folder = pathlib.Path(arguments[0])

@@ -115,6 +115,9 @@ def _describe_reference(records, batches, truth, methods, options):
     least = min(medians(rung, "rel_mse") for method in methods for rung in method["rungs"])
     if options.reference:
         source, relative = {"file": str(options.reference)}, options.reference_noise or None
+        if options.reference_noise > least:
+            raise InputError(f"--reference-noise: {options.reference_noise:g}, allowed: at most the least relMSE of all "
+                             f"methods, {least:.3g}")
     else:
         count = len(batches)
         noise = sum((batch - truth) ** 2 for batch in batches) / max(count * (count - 1), 1)

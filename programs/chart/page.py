@@ -86,7 +86,7 @@ def summary_rows(chart):
 
 
 def cost_rows(chart):
-    """One row per point; error times CPU seconds is constant over the points of an unbiased method."""
+    """One row per point; error times CPU seconds is nearly constant over the points of an unbiased method."""
     head = ["scene, size", "method", "CPU s", "relMSE", "trimmed", "mean", "trimmed x CPU"]
     rows = []
     for method in chart["methods"]:

@@ -11,7 +11,7 @@ from failure import InputError
 
 TARGETS = (0.01, 0.003)  # relMSE
 _LEAST_OVER_NOISE = 3.0  # a level below that many variances of the reference would be read off its noise
-_LEAST_OF_NOISE = 0.1  # what is left of an error without the reference's variance is not known any better than that
+_LEAST_OF_NOISE = 0.1  # the variance itself is known to about a tenth
 
 
 def load(folder):
@@ -90,7 +90,7 @@ def _reference(chart):
     noise = chart["reference"]["rel_variance"]
     if noise is None:
         return "reference from a file, whose noise counts as error and bias"
-    source = ", a file, as given" if "file" in chart["reference"] else ""
+    source = " file, as given:" if "file" in chart["reference"] else ""
     return f"relative variance of the reference{source} {noise:.2g}"
 
 

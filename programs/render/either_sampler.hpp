@@ -10,7 +10,7 @@ namespace manylight::render {
 /// for a well-predicted branch per variate.
 struct EitherSampler {
   using Scalar = float;
-  SamplerKind kind = SamplerKind::independent;
+  SamplerKind kind = SamplerKind::sobol;
   std::uint64_t seed = 0;
 
   class Stream {

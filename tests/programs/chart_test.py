@@ -312,7 +312,7 @@ class Summaries(Folder):
         self.assertEqual(rows[5], ["c 4x3", "path", "3.15", "4.09 (to 0.0072)", "16", "0.00024", "-", "-"])
         self.assertEqual(rows[6], ["d 4x3", "path", "4", "13.3", "16", "0.0025", "-", "-"])
         self.assertEqual(len(rows), 7)
-        self.assertIn("; relative variance of the reference, a file, as given 0.0024; ", text)
+        self.assertIn("; relative variance of the reference file, as given: 0.0024; ", text)
         self.assertIn("; reference from a file, whose noise counts as error and bias; ", text)
         self.assertIn("Measured with manylight-render 1, P, 2 cores, S.", text)
         self.assertIn("- b/one, 2026-01-02: 3 seeds, wall seconds, load 0.0 to 1.0; relative variance of the reference "
@@ -535,6 +535,10 @@ class Charts(Folder):
                       (self.folder / "c" / "chart.html").read_text())
         floors = [of["methods"][0]["bias_floor"]["below"] ** 2 for of in (raw, chart)]
         self.assertAlmostEqual(floors[0] - floors[1], noise, delta=1e-9)
+        code, message = call(*words, "--reference-noise", 0.5)
+        self.assertEqual(code, 2)
+        self.assertRegex(message, r"^manylight-chart: --reference-noise: 0.5, allowed: at most the least relMSE of all "
+                                  r"methods, 0\.0\d+\n$")
         images.write_pfm(truth, np.ones((24, 16, 3)))
         code, message = call(*words)
         self.assertEqual((code, message), (2, "manylight-chart: the reference has 16 x 24 pixels, the runs 32 x 24\n"))

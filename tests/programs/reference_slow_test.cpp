@@ -24,14 +24,14 @@ struct ZCase {
 class ZTest : public Reference, public ::testing::WithParamInterface<ZCase> {};
 
 /// The peer's own test: floor(2e6 / pixels) samples per pixel, z per XYZ channel against the mean and the variance of
-/// 32,000 samples; at most 0.25 % of the pixel-channels may fail a Sidak level of 1 %.
+/// 32,000 independent samples; at most 0.25 % of the pixel-channels may fail a Sidak level of 1 %.
 TEST_P(ZTest, PathMatchesThePeer) {
   const std::string base = "mitsuba-tests/tests/scenes/" + std::string(GetParam().folder);
   const std::string refs = folder() + "/" + base + "/refs/" + GetParam().name;
   const Image<float> reference = image_io::read_image(refs + "_ref_rgb.exr");
   const Image<float> variance = image_io::read_image(refs + "_ref_rgb_var.exr");
   const auto spp = static_cast<unsigned>(2'000'000 / reference.pixels.size());
-  const Image<float> image = render(base + "/" + GetParam().scene, "-m path --spp " + std::to_string(spp));
+  const Image<float> image = render(base + "/" + GetParam().scene, "-m path --sampler independent --spp " + std::to_string(spp));
   const metrics::ZTestResult result = metrics::z_test(image, reference, variance, spp);
   EXPECT_TRUE(result.passes) << result.failures << " of " << result.tests << " fail, allowed " << result.allowed
                              << "; worst z " << result.worst_z << " at (" << result.worst_x << ", " << result.worst_y
@@ -144,15 +144,15 @@ class BlockTest : public Reference, public ::testing::WithParamInterface<BlockCa
 /// combined standard errors; ours from 16 independent runs, the peer's from its sample count relative to ours.
 TEST_P(BlockTest, PathMatchesThePeerInMeanAndBlocks) {
   constexpr int k_runs = 16;
-  constexpr double k_samples = 16;
+  constexpr double k_samples = 8;
   constexpr double k_limit = 5.5;  // Student t of 15 degrees of freedom at the level of 4 normal standard errors, 6e-5
   const Image<float> reference = image_io::read_image(folder() + "/" + GetParam().reference);
   const Image<double> expected = metrics::block_means(reference, 8);
   std::vector<Image<double>> runs;
   for (int run = 0; run < k_runs; ++run) {
     runs.push_back(metrics::block_means(
-        render(GetParam().scene, std::string("-m path --max-depth 12 --filter box --spp 16 --size ") + GetParam().size +
-                                     " --seed " + std::to_string(run)),
+        render(GetParam().scene, std::string("-m path --sampler independent --max-depth 12 --filter box --spp 8 --size ") +
+                                     GetParam().size + " --seed " + std::to_string(run)),
         8));
   }
   double ours = 0;

@@ -60,7 +60,10 @@ template <SampleStream Stream>
   return (high << 24) | static_cast<std::uint64_t>(stream.next() * typename Stream::Scalar(0x1p24));
 }
 
-/// Hands out streams; every variate is a function of (seed, stage, index, sample, dimension) alone.
+/// Hands out streams; every variate is a function of (seed, stage, index, sample, dimension) alone. What shall fill a
+/// domain together has one `index` and differs in `sample`: the samples of a pixel, the light paths of an image, of a pass
+/// or of an instant; those of bidirectional path tracing belong to their pixel. A sampler may stratify over `sample`, from
+/// 0 up to millions; different indices must be independent.
 template <class T>
 concept Sampler = requires(const T& sampler, Stage stage, std::uint64_t index, std::uint32_t sample) {
   { sampler.stream(stage, index, sample) } -> SampleStream;

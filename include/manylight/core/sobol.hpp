@@ -48,8 +48,7 @@ namespace sobol {
 /// Variates from padded two-dimensional Owen-scrambled Sobol sets: each `next_2d()` (and each `next()`) of a stream
 /// uses its own scramble and its own shuffle of the sample order, keyed by (seed, stage, index, dimension). For a fixed
 /// index and dimension, the first 2^m values of `sample` form a (0, m, 2)-net; different indices and dimensions are
-/// independent. So the numbers that shall fill a domain together (samples of a pixel, all light paths) must share
-/// `index` and differ in `sample`. Error bars come from different seeds, not from the samples of one.
+/// independent. Error bars come from different seeds, not from the samples of one.
 template <std::floating_point S>
 class SobolStream {
  public:

@@ -122,7 +122,7 @@ template <class Scene, class W, class MakeStream, class MakeRay>
 }  // namespace detail
 
 /// Estimates the ledger of `window` by samples [first, first + count) of every pixel, at least two; different ranges
-/// are independent estimates. Throws ParameterError.
+/// are independent estimates if the sampler's numbers are. Throws ParameterError.
 template <class Scene, class W, Camera C, Sampler Random, Executor Exec, class Progress = NoProgress>
 [[nodiscard]] Ledger estimate_ledger(const LedgerIntegrator<Scene, W>& integrator, const C& camera,
                                      const ReconstructionFilter<typename Scene::Scalar>& filter, const Window& window,

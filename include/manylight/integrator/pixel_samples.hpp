@@ -29,7 +29,8 @@ struct PathStatistics {
 namespace detail {
 
 /// Adds `radiance(ray, pixel, instant, stream, rays)`, W/m^2/sr, of the samples [first, first + count) of every pixel of
-/// `window` to `sums`, row by row; the samples of a pixel take the instants of a motion in turn. Throws ParameterError
+/// `window` to `sums`, row by row. The samples of a pixel take the instants of a motion in turn, from one set of numbers: a
+/// pixel has few per instant, so that a set for each (as light paths have) would be the noisier. Throws ParameterError
 /// unless the window lies in the film and `sums` has a place for each of its pixels.
 template <class S, Camera C, Sampler Random, Executor Exec, class Radiance, class Progress>
 PathStatistics accumulate_samples(const C& camera, std::uint32_t instants, const ReconstructionFilter<S>& filter,

@@ -77,7 +77,7 @@ class ClusterSplitter {
   std::size_t median(std::size_t begin, std::size_t middle, std::size_t end, unsigned axis) {
     const auto at = [&](std::size_t i) { return items_.begin() + static_cast<std::ptrdiff_t>(i); };
     std::nth_element(at(begin), at(middle), at(end), [&](const ClusterItem<S>& a, const ClusterItem<S>& b) {
-      for (unsigned k = 0; k < 6; ++k) {  // by place as far as it tells them apart, so that their order does not matter
+      for (unsigned k = 0; k < 6; ++k) {  // order decides only between equal items
         const S xa = coordinate(a, (axis + k) % 6);
         const S xb = coordinate(b, (axis + k) % 6);
         if (xa != xb) return xa < xb;

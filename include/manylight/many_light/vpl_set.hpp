@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "manylight/core/executor.hpp"
@@ -142,7 +143,7 @@ template <class Scene>
 }
 }  // namespace detail
 
-/// Traces light subpaths until they have left `config.count` VPLs. Paths are independent of each other and of the
+/// Traces light subpaths until they have left `config.count` VPLs. The set does not depend on the
 /// executor. Where paths leave less than one VPL in 16, in a scene almost without surfaces, the set is smaller.
 template <class Scene, Sampler Random, Executor Exec>
 [[nodiscard]] VplSet<Scene> trace_vpls(const Scene& scene, const VplConfig& config, const Random& sampler,
@@ -157,7 +158,8 @@ template <class Scene, Sampler Random, Executor Exec>
   const auto found = [&] { return set.vpls.size() - exact_count; };
   if (!detail::has_inexact_vpls(scene, config.max_edges)) return set;
   // Paths of delta lights into the void leave nothing: a bound on the number of paths ends such scenes.
-  const std::size_t max_paths = 16 * config.count + 1;
+  // 2^32 paths have random numbers of their own.
+  const std::size_t max_paths = std::min<std::size_t>(16 * config.count + 1, std::numeric_limits<std::uint32_t>::max());
   while ((found() < config.count || set.path_count < instant_count(scene)) && set.path_count < max_paths) {
     const std::size_t missing = config.count - std::min(found(), config.count);
     const std::size_t round =

@@ -179,8 +179,8 @@ class EyeSubpath {
     return visit(walk, record, passage->out, ++edges, step);
   }
 
-  /// Russian roulette on the strength relative to that of the path's first sensor, from a half on: sensors behind it cost
-  /// less than the noise of those that roulette makes as strong as the first.
+  /// Russian roulette where the strength is below half that of the path's first sensor: going on costs less than the noise
+  /// of raising survivors to the whole.
   bool survives(WalkState<S>& walk, const Rgb<S>& scattering) {
     const S strength = max_channel(walk.beta * scattering);
     if (!(strength > S(0))) return false;

@@ -91,8 +91,8 @@ template <class Scene, SampleStream Stream>
 }
 
 /// Probability with which an eye walk of throughput `beta` goes on. Roulette by the throughput itself would save time, but
-/// the survivors that meet a lamp are then noise: walks are cheap, and end by chance only where they carry less than 1/8.
-/// The cap ends walks without absorption. The throughput grows by albedo / 0.99 per vertex, its square times the survival by
+/// the survivors that meet a lamp are then noise: walks are cheap, and all but 1 % go on that carry more than 1/8. The cap
+/// ends walks without absorption. The throughput grows by albedo / 0.99 per vertex, its square times the survival by
 /// albedo^2 / 0.99: the variance is finite up to an albedo of sqrt(0.99) = 0.995.
 template <std::floating_point S>
 [[nodiscard]] S survival_by_throughput(const Rgb<S>& beta) noexcept {
