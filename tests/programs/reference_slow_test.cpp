@@ -31,7 +31,8 @@ TEST_P(ZTest, PathMatchesThePeer) {
   const Image<float> reference = image_io::read_image(refs + "_ref_rgb.exr");
   const Image<float> variance = image_io::read_image(refs + "_ref_rgb_var.exr");
   const auto spp = static_cast<unsigned>(2'000'000 / reference.pixels.size());
-  const Image<float> image = render(base + "/" + GetParam().scene, "-m path --sampler independent --spp " + std::to_string(spp));
+  const Image<float> image =
+      render(base + "/" + GetParam().scene, "-m path --sampler independent --spp " + std::to_string(spp));
   const metrics::ZTestResult result = metrics::z_test(image, reference, variance, spp);
   EXPECT_TRUE(result.passes) << result.failures << " of " << result.tests << " fail, allowed " << result.allowed
                              << "; worst z " << result.worst_z << " at (" << result.worst_x << ", " << result.worst_y
