@@ -35,11 +35,12 @@ def parse_methods(text):
 
 
 def settings(method, rung):
-    """What manylight-render is told at a rung, counted from 0. Rung 3 of lightcuts and bdlc is nearly its default.
+    """What manylight-render is told at a rung, counted from 0. Rung 2 of lightcuts and bdlc has its default
+    number of lights and half its eye paths.
 
     The noise of eye paths and the bias of few virtual lights fall together: cuts make lights cheap, so that these grow
     as the square of the eye paths. Fewer of both than rung 0 has would cost nearly as much, since the cut sets the
-    cost. All pairs cost the product of both. Passes of pppm are alike but for their radius; the blur of photonmap falls
+    cost; a quarter of the lights at any rung gives more error for the same time. All pairs cost the product of both. Passes of pppm are alike but for their radius; the blur of photonmap falls
     with the photons only.
     """
     if method in ("path", "bdpt"):
@@ -50,7 +51,7 @@ def settings(method, rung):
         return {"spp": 2 * 2 ** rung, "photon-paths": 10_000 * 2 ** rung}
     if method in ("vpl", "ir"):
         return {"eye-paths": 2 * 2 ** rung, "vpls": 250 * 2 ** rung}
-    return {"eye-paths": 8 * 2 ** rung, "vpls": 16_000 * 4 ** rung}
+    return {"eye-paths": 8 * 2 ** rung, "vpls": 64_000 * 4 ** rung}
 
 
 def is_affordable(seconds, budget):
