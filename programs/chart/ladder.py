@@ -35,13 +35,13 @@ def parse_methods(text):
 
 
 def settings(method, rung):
-    """What manylight-render is told at a rung, counted from 0. Rung 2 of lightcuts and bdlc has its default
-    number of lights and half its eye paths.
+    """What manylight-render is told at a rung, counted from 0. Rung 2 of lightcuts and bdlc has the default number of
+    lights and half the default eye paths.
 
     The noise of eye paths and the bias of few virtual lights fall together: cuts make lights cheap, so that these grow
     as the square of the eye paths. Fewer of both than rung 0 has would cost nearly as much, since the cut sets the
-    cost; a quarter of the lights at any rung gives more error for the same time. All pairs cost the product of both. Passes of pppm are alike but for their radius; the blur of photonmap falls
-    with the photons only.
+    cost; a quarter of the lights at any rung gives more error for the same time. All pairs cost the product of both.
+    Passes of pppm are alike but for their radius; the blur of photonmap falls with the photons only.
     """
     if method in ("path", "bdpt"):
         return {"spp": 4 * 4 ** rung}
