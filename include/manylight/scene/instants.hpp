@@ -6,6 +6,7 @@
 // the mean over all instants. Camera, lights, shapes and materials may all move; paths, cuts and backends know nothing of it.
 
 #include <cstdint>
+#include <numeric>
 #include <span>
 #include <string>
 #include <utility>
@@ -91,9 +92,13 @@ template <class T>
     return 1;
   }
 }
-/// The instant of a sample: consecutive ones of an index sweep through all of `count`, from a start of the index' own.
+/// The instant of a sample: `count` consecutive ones of an index meet each once, from a start of the index' own. Strides by
+/// the golden ratio spread fewer samples over the whole of the shutter interval.
 [[nodiscard]] inline std::uint32_t sample_instant(std::uint32_t count, std::uint64_t index, std::uint64_t sample) noexcept {
-  return count == 1 ? 0 : static_cast<std::uint32_t>((mix_bits(index) % count + sample) % count);
+  if (count == 1) return 0;
+  std::uint64_t stride = std::uint64_t{count} * 618 / 1000;  // of count >= 2: 1 or more
+  while (std::gcd(stride, std::uint64_t{count}) != 1) ++stride;
+  return static_cast<std::uint32_t>((mix_bits(index) % count + sample % count * stride) % count);
 }
 
 /// A camera that moves: one per instant, all of one film.
