@@ -24,7 +24,8 @@ template <class Geometry, class Shader, class Media>
         const std::size_t pixel = setup.window.index(x, y);
         for (std::uint32_t i = 0; i < k_samples; ++i) {
           auto stream = setup.sampler.stream(Stage::eye, film_index(setup.camera, x, y), i);
-          const std::uint32_t instant = sample_instant(instant_count(setup.scene), film_index(setup.camera, x, y), i);
+          const std::uint32_t instant =
+              sample_instant(instant_count(setup.scene), setup.sampler, film_index(setup.camera, x, y), i);
           const auto& scene = at_instant(setup.scene, instant);
           const Ray<float> ray = camera_ray(at_instant(setup.camera, instant), setup.filter, x, y, stream);
           const auto point = scene.intersect(ray, stream, rays);

@@ -162,23 +162,27 @@ TEST(Motion, LightPathsOfAnInstantAreStratified) {
   }
 }
 
-/// As many samples as there are instants meet each once; a quarter of them leave no gap of half the interval. Caught: strides
-/// of 1, which see the interval's parts one after the other; of a divisor of the count.
+/// As many samples as there are instants meet each once; a quarter of them leave no gap of half the interval; the first
+/// sample's is any, by the seed. Caught: strides of 1, which see the interval's parts one after the other; of a divisor of
+/// the count; a start by the index alone, which passes of few samples would share.
 TEST(Motion, SamplesSpreadOverInstants) {
   for (const std::uint32_t count : {2u, 3u, 6u, 8u, 32u, 100u, 255u, 1000u}) {
     for (const std::uint64_t index : {0u, 7u, 123'456u}) {
       std::vector<bool> is_met(count, false);
-      for (std::uint64_t i = 5; i < 5 + count; ++i) is_met[sample_instant(count, index, i)] = true;
+      for (std::uint64_t i = 5; i < 5 + count; ++i) is_met[sample_instant(count, IndependentSampler<S>{1}, index, i)] = true;
       EXPECT_EQ(std::count(is_met.begin(), is_met.end(), true), count) << count;
       if (count < 8) continue;
       std::vector<std::uint32_t> met;
-      for (std::uint64_t i = 0; i < count / 4; ++i) met.push_back(sample_instant(count, index, i));
+      for (std::uint64_t i = 0; i < count / 4; ++i) met.push_back(sample_instant(count, IndependentSampler<S>{1}, index, i));
       std::sort(met.begin(), met.end());
       std::uint32_t gap = met.front() + count - met.back();
       for (std::size_t i = 1; i < met.size(); ++i) gap = std::max(gap, met[i] - met[i - 1]);
       EXPECT_LT(gap, count / 2 + 2) << count;
     }
   }
+  std::vector<int> first(8, 0);
+  for (std::uint64_t seed = 0; seed < 800; ++seed) ++first[sample_instant(8, IndependentSampler<S>{seed}, 5, 0)];
+  for (const int met : first) EXPECT_NEAR(met, 100, 45);  // binomial, 4.8 standard deviations: 1e-5
 }
 
 /// A camera that moves sideways by the width of what it sees: the mean of the instants' views.

@@ -115,7 +115,7 @@ template <class Scene, Camera C, Sampler Random, Executor Exec>
       bool meets_surface = false;
       for (std::uint32_t i = 0; i < k_eye_samples; ++i) {
         Stream stream = sampler.stream(Stage::pilot, point, i);
-        const std::uint32_t instant = sample_instant(instant_count(scene), point, i);
+        const std::uint32_t instant = sample_instant(instant_count(scene), sampler, point, i);
         const auto& now = at_instant(scene, instant);
         const Ray<S> ray = camera_ray(at_instant(camera, instant), filter, x, y, stream);
         detail::PilotVisitor<Scene, Stream> visitor{scene, weighting, picker, stream, row_rays[row], max_edges, k_vpls};

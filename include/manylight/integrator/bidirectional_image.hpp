@@ -134,7 +134,7 @@ class BidirectionalTiles {
  private:
   void render(std::uint32_t x, std::uint32_t y, std::uint32_t i, SubpathPair<Scene>& walks, TileSplats<S>& out) {
     const std::uint64_t index = film_index(camera_, x, y);
-    const std::uint32_t instant = sample_instant(instant_count(integrator_), index, i);
+    const std::uint32_t instant = sample_instant(instant_count(integrator_), sampler_, index, i);
     const auto& camera = at_instant(camera_, instant);
     const auto& integrator = at_instant(integrator_, instant);
     const bool is_seen = x >= window_.x0 && x < window_.x1 && y >= window_.y0 && y < window_.y1;

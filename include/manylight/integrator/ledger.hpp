@@ -96,14 +96,14 @@ struct LedgerTile {
 };
 
 /// Samples [first, first + count) of one pixel into `tile`; returns the pixel's mean of what is missing.
-template <class Scene, class W, class MakeStream, class MakeRay>
-[[nodiscard]] Rgb<double> ledger_pixel(const LedgerIntegrator<Scene, W>& integrator, const MakeStream& make_stream,
+template <class Scene, class W, Sampler Random, class MakeRay>
+[[nodiscard]] Rgb<double> ledger_pixel(const LedgerIntegrator<Scene, W>& integrator, const Random& sampler,
                                        const MakeRay& make_ray, std::uint64_t index, std::uint32_t first,
                                        std::uint32_t count, LedgerTile& tile) {
   std::array<LedgerPixelSum, k_ledger_entries + 2> sums{};
   for (std::uint32_t i = first; i < first + count; ++i) {
-    auto stream = make_stream(i);
-    const std::uint32_t instant = sample_instant(instant_count(integrator), index, i);
+    auto stream = sampler.stream(Stage::ledger, index, i);
+    const std::uint32_t instant = sample_instant(instant_count(integrator), sampler, index, i);
     const auto ray = make_ray(stream, instant);
     const LedgerSample sample = at_instant(integrator, instant).sample(ray, stream, tile.rays);
     if (!sample.is_valid()) {
@@ -137,7 +137,7 @@ template <class Scene, class W, Camera C, Sampler Random, Executor Exec, class P
     for (std::uint32_t y = tile.y0; y < tile.y1; ++y) {
       for (std::uint32_t x = tile.x0; x < tile.x1; ++x) {
         ledger.missing[window.index(x, y)] = detail::ledger_pixel(
-            integrator, [&](std::uint32_t i) { return sampler.stream(Stage::ledger, film_index(camera, x, y), i); },
+            integrator, sampler,
             [&](auto& stream, std::uint32_t instant) {
               return camera_ray(at_instant(camera, instant), filter, x, y, stream);
             },

@@ -145,7 +145,7 @@ void trace_pixel(const Scene& scene, const C& camera, const ReconstructionFilter
   collector.clear();
   for (std::uint32_t i = 0; i < config.eye_paths; ++i) {
     auto stream = sampler.stream(Stage::eye, film_index(camera, x, y), i);
-    collector.instant = sample_instant(instant_count(scene), film_index(camera, x, y), i);
+    collector.instant = sample_instant(instant_count(scene), sampler, film_index(camera, x, y), i);
     const auto& now = at_instant(scene, collector.instant);
     const Ray<S> ray = camera_ray(at_instant(camera, collector.instant), filter, x, y, stream);
     EyeSubpath<std::remove_cvref_t<decltype(now)>, W, decltype(stream), PixelCollector<Scene, W>>(

@@ -47,7 +47,7 @@ PathStatistics accumulate_samples(const C& camera, std::uint32_t instants, const
         const std::size_t pixel = window.index(x, y);
         for (std::uint32_t i = first; i < first + count; ++i) {
           auto stream = sampler.stream(Stage::eye, film_index(camera, x, y), i);
-          const std::uint32_t instant = sample_instant(instants, film_index(camera, x, y), i);
+          const std::uint32_t instant = sample_instant(instants, sampler, film_index(camera, x, y), i);
           const Ray<S> ray = camera_ray(at_instant(camera, instant), filter, x, y, stream);
           const Rgb<S> sample = radiance(ray, pixel, instant, stream, statistics.rays);
           ++statistics.samples;

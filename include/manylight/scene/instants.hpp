@@ -92,13 +92,18 @@ template <class T>
     return 1;
   }
 }
-/// The instant of a sample: `count` consecutive ones of an index meet each once, from a start of the index' own. Strides by
-/// the golden ratio spread fewer samples over the whole of the shutter interval.
-[[nodiscard]] inline std::uint32_t sample_instant(std::uint32_t count, std::uint64_t index, std::uint64_t sample) noexcept {
+/// The instant of a sample: `count` consecutive ones of an index meet each once, from a start that is the sampler's for that
+/// index, so that other seeds and passes see others. Strides by the golden ratio spread fewer samples over the whole of the
+/// shutter interval.
+template <Sampler Random>
+[[nodiscard]] std::uint32_t sample_instant(std::uint32_t count, const Random& sampler, std::uint64_t index,
+                                           std::uint64_t sample) {
   if (count == 1) return 0;
+  auto stream = sampler.stream(Stage::instant, index, 0);
+  const auto start = static_cast<std::uint64_t>(static_cast<double>(stream.next()) * count);
   std::uint64_t stride = std::uint64_t{count} * 618 / 1000;  // of count >= 2: 1 or more
   while (std::gcd(stride, std::uint64_t{count}) != 1) ++stride;
-  return static_cast<std::uint32_t>((mix_bits(index) % count + sample % count * stride) % count);
+  return static_cast<std::uint32_t>((start + sample % count * stride) % count);
 }
 
 /// A camera that moves: one per instant, all of one film.
