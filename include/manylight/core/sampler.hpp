@@ -10,7 +10,9 @@
 namespace manylight {
 
 /// What a stream of random numbers is for; part of its key, so that no two uses share numbers.
-enum class Stage : std::uint32_t { eye, light, emission, pilot, roulette, representative, test, ledger, transmittance, instant };
+enum class Stage : std::uint32_t {
+  eye, light, emission, pilot, roulette, representative, test, ledger, transmittance, instant
+};
 
 /// One block of Philox4x32-10: a counter-based generator, a pure function of counter and key.
 /// [Salmon et al. 2011, "Parallel Random Numbers: As Easy as 1, 2, 3"]
