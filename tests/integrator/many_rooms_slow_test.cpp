@@ -160,7 +160,7 @@ TEST(ManyRooms, CeilingOfAMillionTexturedTriangles) {
   for (std::size_t i = 0; i < exact.size(); ++i) {
     EXPECT_TRUE(agrees(moments[i], exact[i], 1e-3))
         << i << ": " << moments[i].mean() << " +- " << moments[i].standard_error() << ", exact " << exact[i];
-    EXPECT_LT(moments[i].standard_error(), 0.03 * exact[i]);
+    EXPECT_LT(moments[i].standard_error(), 0.03 * exact[i]);  // 0.3 to 2.5 % over 64 seeds
   }
 }
 
