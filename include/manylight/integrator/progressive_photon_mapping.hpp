@@ -20,6 +20,7 @@
 #include "manylight/integrator/glossy.hpp"
 #include "manylight/integrator/pixel_samples.hpp"
 #include "manylight/many_light/photon_trace.hpp"
+#include "manylight/path/transfer.hpp"
 
 namespace manylight {
 
