@@ -90,6 +90,7 @@ void validate(const Options& o) {
   require_range<std::uint32_t>("--eye-paths", o.eye_paths, 1, 65536);
   require_range<std::uint64_t>("--photon-paths", o.photon_paths, 1, 500'000'000);
   require_range<std::uint32_t>("--gather-rays", o.gather_rays, 1, 65536);
+  require_range<std::uint32_t>("--light-samples", o.light_samples, 1, 65536);
   require_range<std::uint32_t>("--instants", o.instants, 1, 4096);
   require_range<std::uint64_t>("--vpls", o.vpls, 1, 100'000'000);
   require_range<double>("--threshold", o.threshold, 0, 1);
@@ -173,6 +174,7 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
   app.add_option("--photon-paths", o.photon_paths, "Light paths that leave photons: of a pass of pppm, of photonmap's map")
       ->capture_default_str();
   app.add_option("--gather-rays", o.gather_rays, "Final gather rays per sample of photonmap")->capture_default_str();
+  app.add_option("--light-samples", o.light_samples, "Lights drawn per sample of photonmap")->capture_default_str();
   app.add_option("--instants", o.instants, "Instants of the shutter interval, where something moves")
       ->capture_default_str();
   app.add_option("--eye-paths", o.eye_paths, "Eye paths per pixel and pass of the many-light methods")

@@ -29,7 +29,8 @@ struct Options {
   std::uint32_t eye_paths = 64;
   std::uint64_t vpls = 1'000'000;
   std::uint64_t photon_paths = 200'000;  ///< light paths of photons: of a pass of pppm, of the map of photonmap
-  std::uint32_t gather_rays = 16;        ///< of photonmap, per sample
+  std::uint32_t gather_rays = 2;         ///< of photonmap, per sample
+  std::uint32_t light_samples = 4;       ///< of photonmap, per sample
   std::uint32_t instants = 32;  ///< of the shutter interval, where something moves
   double threshold = 0.02;
   std::uint32_t max_cut = 20'000;

@@ -63,6 +63,7 @@ void render_photon_map(const Setup<Geometry, Shader, NoMedia>& setup, JobResult&
   config.light_paths = options.photon_paths;
   config.caustic_paths = 5 * options.photon_paths;
   config.gather_rays = options.gather_rays;
+  config.light_samples = options.light_samples;
   config.max_edges = setup.max_edges;
   const PhotonMaps<float> maps = prepare_photon_maps(setup.scene, config, setup.sampler, setup.executor);
   result.statistics.set_seconds("vpls", clock.seconds());

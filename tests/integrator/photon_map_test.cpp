@@ -209,7 +209,7 @@ TEST(PhotonMapping, ClosedFurnace) {
         config.irradiance_stride = stride;
         RunningMoments mean;
         for (unsigned run = 0; run < 6; ++run) {
-          const Film film = render_photon_map(scene, camera, config, 2, run);
+          const Film film = render_photon_map(scene, camera, config, 8, run);
           EXPECT_EQ(film.invalid, 0U);
           mean.add(film.mean().x);
         }
@@ -252,7 +252,7 @@ TEST(PhotonMapping, EqualsPathTracing) {
     settings.samples = 80;
     settings.seed = 100 + run;
     const Film of_path = render(Method::path, scene, camera, settings);
-    const Film of_map = render_photon_map(scene, camera, config, 6, run);
+    const Film of_map = render_photon_map(scene, camera, config, 24, run);
     EXPECT_EQ(of_map.invalid, 0U);
     std::array<double, 4> sum_path{}, sum_map{};
     for (std::size_t i = 0; i < 64; ++i) {

@@ -247,8 +247,8 @@ class Tables(unittest.TestCase):
     # Planted bugs seen to fail here: 2 eye paths at first, lights doubled.
     def test_ladder_of_cuts(self):
         for method in ("lightcuts", "bdlc"):
-            self.assertEqual(ladder.settings(method, 0), {"eye-paths": 8, "vpls": 64_000})
-            self.assertEqual(ladder.settings(method, 2), {"eye-paths": 32, "vpls": 1_024_000})
+            self.assertEqual(ladder.settings(method, 0), {"eye-paths": 64, "vpls": 64_000})
+            self.assertEqual(ladder.settings(method, 2), {"eye-paths": 256, "vpls": 1_024_000})
 
     def test_levels(self):
         self.assertEqual(tables.levels_between(0.04, 1.0), [1.0, 0.5, 0.2, 0.1, 0.05])

@@ -114,7 +114,7 @@ TEST_P(MethodMatrix, AgreesWithPathTracing) {
       {"lightcuts --weights residual --vpls 300 --eye-paths 16 --passes 4", 0.01},
       {"bdlc --vpls 1000 --eye-paths 16 --passes 4", 0.05},
       {"pppm --spp 32 --photon-paths 10000", 0.08, k_photons},
-      {"photonmap --spp 8 --photon-paths 20000", 0.05, k_photons | k_final_gather},
+      {"photonmap --spp 32 --photon-paths 20000", 0.05, k_photons | k_final_gather},
   };
   unsigned seed = 200;
   for (const MethodCase& method : methods) {

@@ -237,6 +237,7 @@ TEST_F(RenderProgram, RejectsWhatTheMethodDoesNotHave) {
   expect_rejected(swing + " -m pppm -o " + path("x.exr").string(), "motion");
   expect_rejected(scene + " -m pppm --photon-paths 0", "--photon-paths");
   expect_rejected(scene + " -m photonmap --gather-rays 0", "--gather-rays");
+  expect_rejected(scene + " -m photonmap --light-samples 0", "--light-samples");
 }
 
 }  // namespace

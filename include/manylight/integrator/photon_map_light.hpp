@@ -22,8 +22,8 @@ struct PhotonMapConfig {
   unsigned neighbours = 50;                ///< photons of a lookup, the one that gives the radius included
   double max_radius = 0;          ///< of a lookup, m; 0: 1/10 of the radius of the scene's bounding sphere
   double max_caustic_radius = 0;  ///< of a lookup of caustics, m; 0: 1/100 of it
-  unsigned gather_rays = 16;               ///< per camera sample
-  unsigned light_samples = 4;              ///< per camera sample
+  unsigned gather_rays = 2;    ///< per camera sample: more camera samples lessen all noise, more gather rays only theirs
+  unsigned light_samples = 4;  ///< per camera sample
   /// Gather rays go on from vertices whose density of directions passes this, sr^-1, as photons would be too few for
   /// them.
   double glossy_pdf = 1;
