@@ -20,6 +20,7 @@
 #include "manylight/integrator/glossy.hpp"
 #include "manylight/integrator/photon_map_light.hpp"
 #include "manylight/integrator/pixel_samples.hpp"
+#include "manylight/path/direct_light.hpp"
 
 namespace manylight {
 
@@ -166,18 +167,16 @@ class PhotonMapIntegrator {
     return true;
   }
 
+  /// With n lights per direction, the balance heuristic weights a hit by pdf / (pdf + n pL) = (pdf / n) / (pdf / n + pL).
+  [[nodiscard]] static LastBounce<S> last_bounce(const Branch& branch) noexcept {
+    return {branch.from, branch.pdf / branch.light_share, branch.since != Since::camera};
+  }
   [[nodiscard]] Rgb<S> emission(const Branch& branch, const SurfacePoint<S>& point, const Vec3<S>& wo) const {
-    if (branch.since == Since::dirac) return Rgb<S>(0);
-    const Rgb<S> radiance = scene_.emitters().emitted(point, wo);
-    if (branch.since == Since::camera || is_black(radiance)) return radiance;
-    const S light = branch.light_share * scene_.emitters().pdf_direct(branch.from, point, -wo);
-    return radiance * (branch.pdf / (branch.pdf + light));
+    return branch.since == Since::dirac ? Rgb<S>(0) : hit_emission(scene_, point, wo, last_bounce(branch));
   }
   [[nodiscard]] Rgb<S> environment(const Branch& branch) const {
-    if (branch.since == Since::dirac) return Rgb<S>(0);
-    const EnvironmentLight<S> light = scene_.emitters().environment_light(branch.walk.ray.direction);
-    if (branch.since == Since::camera || is_black(light.radiance)) return light.radiance;
-    return light.radiance * (branch.pdf / (branch.pdf + branch.light_share * light.pdf));
+    return branch.since == Since::dirac ? Rgb<S>(0)
+                                        : hit_environment(scene_, branch.walk.ray.direction, last_bounce(branch));
   }
 
   template <class Hit, class Stream>
@@ -185,24 +184,13 @@ class PhotonMapIntegrator {
     if (branch.edges + 1 > config_.max_edges) return;
     const S shift = estimate.stream.next();
     const Vec2<S> shift_2d = estimate.stream.next_2d();
-    const Anchor<S> here = anchor(hit);
+    const Rgb<S> strength = branch.walk.beta / static_cast<S>(count);
     for (unsigned i = 0; i < count; ++i) {
       detail::LatticeStream<Stream> lattice(estimate.stream, shift, shift_2d, i, count);
-      const S u_select = lattice.next();
-      const auto light = scene_.emitters().sample_direct(here.position, u_select, lattice.next_2d());
-      if (!light || is_black(light->radiance)) continue;
-      const Rgb<S> scatter = scattered(hit, light->wi, wo).value;
-      if (is_black(scatter)) continue;
-      S weight = S(1) / static_cast<S>(count);
-      if (!light->is_delta) {
-        const S drawn = branch.light_share * light->pdf;
-        weight *= drawn / (drawn + direction_pdf(hit, light->wi, wo));
-      }
-      const Ray<S> ray = light->infinite
-                             ? Scene::shadow_ray(here, light->wi)
-                             : Scene::shadow_ray(here, Anchor<S>{light->position, light->error, light->ng});
-      estimate.sum += branch.walk.beta * scatter * light->radiance *
-                      (weight / light->pdf * scene_.visibility(ray, estimate.rays));
+      const auto drawn = draw_light(scene_, hit, wo, lattice, branch.light_share);
+      if (!drawn) continue;
+      estimate.sum += strength * drawn->scattered_radiance *
+                      scene_.visibility(drawn->shadow_ray(anchor(hit)), estimate.rays);
     }
   }
 

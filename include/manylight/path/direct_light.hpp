@@ -29,17 +29,19 @@ struct DrawnLight {
   }
 };
 
-/// None if it would send nothing to `wo`, W/m^2/sr.
+/// None if it would send nothing to `wo`, W/m^2/sr. `light_share`: lights drawn at the vertex per direction drawn there.
 template <class Scene, class Hit, SampleStream Stream>
 [[nodiscard]] std::optional<DrawnLight<Scene>> draw_light(const Scene& scene, const Hit& hit,
-                                                          const Vec3<typename Scene::Scalar>& wo, Stream& stream) {
+                                                          const Vec3<typename Scene::Scalar>& wo, Stream& stream,
+                                                          typename Scene::Scalar light_share = 1) {
   using S = typename Scene::Scalar;
   const S u_select = stream.next();
   const auto light = scene.emitters().sample_direct(anchor(hit).position, u_select, stream.next_2d());
   if (!light || is_black(light->radiance)) return std::nullopt;
   const Scattered<S> scatter = scattered(hit, light->wi, wo);
   if (is_black(scatter.value)) return std::nullopt;
-  const S share = light->is_delta ? S(1) : light->pdf / (light->pdf + direction_pdf(hit, light->wi, wo));
+  const S drawn = light_share * light->pdf;
+  const S share = light->is_delta ? S(1) : drawn / (drawn + direction_pdf(hit, light->wi, wo));
   std::uint64_t seed = 0;
   if constexpr (Scene::k_has_media) seed = random_bits(stream);
   return DrawnLight<Scene>{*light, scatter, scatter.value * light->radiance * (share / light->pdf), seed};
