@@ -2,7 +2,7 @@
 #pragma once
 
 // Progressive photon mapping in its probabilistic form [Knaus and Zwicker 2011]: independent passes, each with light
-// paths of its own and one eye walk per pixel, which ends at its first vertex that is not a mirror or smooth glass and
+// paths of its own and one eye walk per pixel, which ends at its first vertex that is no mirror, smooth glass or glossy and
 // sums the photons within a radius. The image is the mean over passes; the radius shrinks from pass to pass, so that
 // variance and bias both vanish, at any number of passes in the same memory.
 //
@@ -20,6 +20,7 @@
 #include "manylight/integrator/glossy.hpp"
 #include "manylight/integrator/pixel_samples.hpp"
 #include "manylight/many_light/photon_trace.hpp"
+#include "manylight/path/direct_light.hpp"
 #include "manylight/path/transfer.hpp"
 
 namespace manylight {
@@ -33,9 +34,9 @@ struct ProgressivePhotonConfig {
   double initial_medium_radius = 0;        ///< r_1 in media, m; 0: 1/50 of the radius of the scene's bounding sphere
   double alpha = 2.0 / 3;                  ///< radius law on surfaces, (0, 1)
   double medium_alpha = 4.0 / 7;           ///< radius law in media, (0, 1)
-  /// Eye walks go through vertices whose density of directions passes this, sr^-1, as if they were mirrors: better for
-  /// reflections of what is lit, worse for highlights of small lights, which walks then find by chance. Infinity: none.
-  double glossy_pdf = std::numeric_limits<double>::infinity();
+  /// Eye walks go on at vertices whose density of directions passes this, sr^-1: few photons lie in the directions of a
+  /// narrow lobe. Infinity: none, all photons merge at the first vertex.
+  double glossy_pdf = 1;
 
   /// Throws ParameterError.
   void validate() const {
@@ -100,8 +101,8 @@ class ProgressivePhotonIntegrator {
   [[nodiscard]] Rgb<S> radiance(const Ray<S>& ray, const ProgressivePhotonPass<S>& pass, S initial_radius,
                                 Stream& stream, RayCounts& rays) const {
     Rgb<S> merged(0);
-    const auto on_surface = [&](const auto& hit, const Vec3<S>& wo, const Rgb<S>& beta, unsigned edges) {
-      merged += beta * merge(hit, wo, pass, initial_radius * pass.factor, config_.max_edges - edges);
+    const auto on_surface = [&](const auto& hit, const Vec3<S>& wo, const Rgb<S>& beta, unsigned edges, bool all) {
+      merged += beta * merge(hit, wo, pass, initial_radius * pass.factor, config_.max_edges - edges, all);
     };
     const auto in_medium = [&](const auto& collision, const Vec3<S>& wo, const Rgb<S>& beta, unsigned edges) {
       merged += beta * merge_in_medium(collision, wo, pass, config_.max_edges - edges);
@@ -117,7 +118,8 @@ class ProgressivePhotonIntegrator {
                                  Stream& stream, RayCounts& rays) const {
     const S largest = scene_.emitters().scene_radius() / S(10);
     S radius = largest;
-    const auto on_surface = [&](const auto& hit, const Vec3<S>&, const Rgb<S>&, unsigned) {
+    const auto on_surface = [&](const auto& hit, const Vec3<S>&, const Rgb<S>&, unsigned, bool all) {
+      if (!all) return;
       pilot.find_nearest(PhotonDisc<S>{hit.point.position, hit.ng}, config_.initial_photons, largest, scratch);
       if (scratch.size() == config_.initial_photons) radius = std::sqrt(scratch.front().first);
     };
@@ -126,12 +128,17 @@ class ProgressivePhotonIntegrator {
   }
 
  private:
-  /// Follows the eye walk to where it merges; returns what it meets of lights themselves.
+  /// Follows the eye walk to where it merges with all photons; returns what it finds of lights themselves. A glossy vertex
+  /// on its way shares its light out as in photon mapping with final gather: that of emitters to drawn lights and to hits
+  /// by the walk, by the balance heuristic; the same through Dirac lobes to merging with the photons that these have led
+  /// to; all else to the rest of the walk.
   template <SampleStream Stream, class OnSurface, class InMedium>
   [[nodiscard]] Rgb<S> walk(const Ray<S>& ray, Stream& stream, RayCounts& rays, const OnSurface& on_surface,
                             const InMedium& in_medium) const {
     Rgb<S> emitted(0);
     WalkState<S> walk{ray, Rgb<S>(1), Rgb<S>(0), medium_at(scene_, ray, rays)};
+    LastBounce<S> glossy;           // at the last such vertex
+    bool only_dirac_since = false;  // light from here is in the caustics of that vertex
     for (unsigned edges = 1;; ++edges) {
       const Arrival<Scene> arrival = advance(scene_, walk, stream, rays);
       const Vec3<S> wo = -walk.ray.direction;
@@ -141,15 +148,21 @@ class ProgressivePhotonIntegrator {
           return emitted;
         }
       }
-      if (!arrival.surface) return emitted + walk.beta * scene_.emitters().environment(walk.ray.direction);
-      emitted += walk.beta * scene_.emitters().emitted(*arrival.surface, wo);
+      if (!only_dirac_since) {
+        emitted += walk.beta * (arrival.surface ? hit_emission(scene_, *arrival.surface, wo, glossy)
+                                                : hit_environment(scene_, walk.ray.direction, glossy));
+      }
+      if (!arrival.surface) return emitted;
       if (edges == config_.max_edges) return emitted;
       const auto hit = scene_.interaction(*arrival.surface, wo, walk.medium);
-      const bool merges = !is_delta(hit) && !passes_through(hit, wo);
-      if (merges) on_surface(hit, wo, walk.beta, edges);
+      const bool goes_on = is_delta(hit) || is_glossy(hit, wo);
+      if (!is_delta(hit)) on_surface(hit, wo, walk.beta, edges, !goes_on);
+      if (goes_on && !is_delta(hit)) emitted += walk.beta * direct(hit, wo, stream, rays);
       const std::optional<ScatterSample<S>> sample = sample_scatter<Scene>(hit, wo, Walk::eye, stream);
       // Behind a vertex that merges, Dirac lobes alone are left.
-      if (!sample || (merges && !sample->is_delta)) return emitted;
+      if (!sample || (!goes_on && !sample->is_delta)) return emitted;
+      only_dirac_since = sample->is_delta && glossy.is_weighted;
+      if (!sample->is_delta) glossy = {hit.point.position, sample->pdf, true};
       continue_walk(scene_, walk, hit, *sample);
       if (edges + 1 >= config_.roulette_edges) {
         const S survival = survival_by_throughput(walk.beta);
@@ -159,19 +172,27 @@ class ProgressivePhotonIntegrator {
     }
   }
 
+  template <class Hit, SampleStream Stream>
+  [[nodiscard]] Rgb<S> direct(const Hit& hit, const Vec3<S>& wo, Stream& stream, RayCounts& rays) const {
+    const auto drawn = draw_light(scene_, hit, wo, stream);
+    if (!drawn) return Rgb<S>(0);
+    return drawn->scattered_radiance * scene_.visibility(drawn->shadow_ray(anchor(hit)), rays);
+  }
   template <class Hit>
-  [[nodiscard]] bool passes_through(const Hit& hit, const Vec3<S>& wo) const noexcept {
+  [[nodiscard]] bool is_glossy(const Hit& hit, const Vec3<S>& wo) const noexcept {
     return config_.glossy_pdf < std::numeric_limits<double>::infinity() &&
            detail::is_glossy(hit, wo, static_cast<S>(config_.glossy_pdf));
   }
 
-  /// Sum of f power over the photons in the disc, per area.
+  /// Sum of f power over the photons in the disc, or those of caustics, per area.
   template <class Hit>
   [[nodiscard]] Rgb<S> merge(const Hit& hit, const Vec3<S>& wo, const ProgressivePhotonPass<S>& pass, S radius,
-                             unsigned max_photon_edges) const {
+                             unsigned max_photon_edges, bool all) const {
     Rgb<S> sum(0);
     pass.surface.for_each_within(PhotonDisc<S>{hit.point.position, hit.ng}, radius, [&](const Photon<S>& photon, S) {
-      if (photon.edges <= max_photon_edges) sum += scattered(hit, photon.wi, wo).f * photon.power;
+      if (photon.edges <= max_photon_edges && (all || photon.is_caustic)) {
+        sum += scattered(hit, photon.wi, wo).f * photon.power;
+      }
     });
     return sum * kernel_value(PhotonKernel::constant, S(0), radius * radius);
   }
