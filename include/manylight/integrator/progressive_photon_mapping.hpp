@@ -111,15 +111,14 @@ class ProgressivePhotonIntegrator {
     return emitted + merged;
   }
 
-  /// r_1 at the end of an eye walk: where the nearest photons of `pilot` end, at most 1/10 of the scene's radius, which
-  /// is also that of walks which merge nowhere.
+  /// r_1 at the last surface where an eye walk merges: where the nearest photons of `pilot` end, at most 1/10 of the
+  /// scene's radius, which is also that of walks which merge nowhere.
   template <SampleStream Stream>
   [[nodiscard]] S nearest_radius(const Ray<S>& ray, const PhotonMap<Photon<S>>& pilot, NearestPhotons<S>& scratch,
                                  Stream& stream, RayCounts& rays) const {
     const S largest = scene_.emitters().scene_radius() / S(10);
     S radius = largest;
-    const auto on_surface = [&](const auto& hit, const Vec3<S>&, const Rgb<S>&, unsigned, bool all) {
-      if (!all) return;
+    const auto on_surface = [&](const auto& hit, const Vec3<S>&, const Rgb<S>&, unsigned, bool) {
       pilot.find_nearest(PhotonDisc<S>{hit.point.position, hit.ng}, config_.initial_photons, largest, scratch);
       if (scratch.size() == config_.initial_photons) radius = std::sqrt(scratch.front().first);
     };
