@@ -40,6 +40,27 @@ Film render_passes(const SceneType& scene, const C& camera, const ProgressivePho
   return film;
 }
 
+/// Film means of `passes` against path tracing of `traced`, over independent runs: noise and a part `blur` of the mean, for
+/// edges, corners and the radius. The noise must stay below the part `largest_error`.
+template <class Traced, class SceneType, class C>
+void expect_path_tracing(const Traced& traced, std::uint32_t samples, const SceneType& scene,
+                         const ProgressivePhotonConfig& config, std::uint32_t passes, const C& camera, unsigned runs,
+                         double blur, double largest_error) {
+  RunningMoments path, photons;
+  for (unsigned run = 0; run < runs; ++run) {
+    Settings settings;
+    settings.samples = samples;
+    settings.seed = 100 + run;
+    path.add(render_paths(traced, camera, settings).mean().x);
+    const Film film = render_passes(scene, camera, config, passes, run);
+    EXPECT_EQ(film.invalid, 0U);
+    photons.add(film.mean().x);
+  }
+  const double error = std::hypot(path.standard_error(), photons.standard_error());
+  EXPECT_NEAR(photons.mean(), path.mean(), student_limit(1e-3, runs - 1) * error + blur * path.mean());
+  EXPECT_LT(error, largest_error * path.mean());
+}
+
 /// Reference sheet, section 3.2: r_1000^2 = 0.110761 r_1^2 on surfaces; the recurrence from pass to pass.
 TEST(ProgressiveRadius, ClosedForm) {
   EXPECT_NEAR(std::pow(progressive_radius_factor(1000, 2.0 / 3, 2), 2), 0.110761, 1e-6);  // six digits are given
@@ -115,21 +136,7 @@ TEST(ProgressivePhotonMapping, EqualsPathTracing) {
   ProgressivePhotonConfig config;
   config.light_paths = 2000;
   config.initial_photons = 10;
-  RunningMoments path, photons;
-  constexpr unsigned k_runs = 8;
-  for (unsigned run = 0; run < k_runs; ++run) {
-    Settings settings;
-    settings.samples = 32;
-    settings.seed = 100 + run;
-    path.add(render(Method::path, scene, camera, settings).mean().x);
-    const Film film = render_passes(scene, camera, config, 12, run);
-    EXPECT_EQ(film.invalid, 0U);
-    photons.add(film.mean().x);
-  }
-  const double error = std::hypot(path.standard_error(), photons.standard_error());
-  // Noise, and the 4 % for edges and corners.
-  EXPECT_NEAR(photons.mean(), path.mean(), student_limit(1e-3, k_runs - 1) * error + 0.04 * path.mean());
-  EXPECT_LT(error, 0.02 * path.mean());
+  expect_path_tracing(scene, 32, scene, config, 12, camera, 8, 0.04, 0.02);
 }
 
 /// Eye walks that go on at a glossy floor find all of its light: of a lamp and a point light, of two others behind a sheet
@@ -152,20 +159,7 @@ TEST(ProgressivePhotonMapping, WalksGoOnAtGlossyVertices) {
   ProgressivePhotonConfig config;
   config.light_paths = 3000;
   config.initial_photons = 10;
-  RunningMoments path, photons;
-  constexpr unsigned k_runs = 16;
-  for (unsigned run = 0; run < k_runs; ++run) {
-    Settings settings;
-    settings.samples = 100;
-    settings.seed = 100 + run;
-    path.add(render_paths(without_sheet, camera, settings).mean().x);
-    const Film film = render_passes(scene, camera, config, 80, run);
-    EXPECT_EQ(film.invalid, 0U);
-    photons.add(film.mean().x);
-  }
-  const double error = std::hypot(path.standard_error(), photons.standard_error());
-  EXPECT_NEAR(photons.mean(), path.mean(), student_limit(1e-3, k_runs - 1) * error + 0.02 * path.mean());
-  EXPECT_LT(error, 0.01 * path.mean());
+  expect_path_tracing(without_sheet, 100, scene, config, 80, camera, 16, 0.02, 0.01);
 }
 
 /// Photons in media, of fog that scatters forward and of fibers whose coefficient depends on the direction, against
@@ -185,20 +179,7 @@ TEST(ProgressivePhotonMapping, MediaEqualPathTracing) {
     config.light_paths = 800;
     config.initial_medium_radius = 0.2;
     config.initial_photons = 10;
-    RunningMoments path, photons;
-    constexpr unsigned k_runs = 8;
-    for (unsigned run = 0; run < k_runs; ++run) {
-      Settings settings;
-      settings.samples = 200;
-      settings.seed = 100 + run;
-      path.add(render_paths(scene, camera, settings).mean().x);
-      const Film film = render_passes(scene, camera, config, 20, run);
-      EXPECT_EQ(film.invalid, 0U);
-      photons.add(film.mean().x);
-    }
-    const double error = std::hypot(path.standard_error(), photons.standard_error());
-    EXPECT_NEAR(photons.mean(), path.mean(), student_limit(1e-3, k_runs - 1) * error + 0.05 * path.mean());
-    EXPECT_LT(error, 0.06 * path.mean());
+    expect_path_tracing(scene, 200, scene, config, 20, camera, 8, 0.05, 0.06);
   }
 }
 
