@@ -154,11 +154,11 @@ class ProgressivePhotonIntegrator {
       if (!arrival.surface) return emitted;
       if (edges == config_.max_edges) return emitted;
       const auto hit = scene_.interaction(*arrival.surface, wo, walk.medium);
-      const bool goes_on = is_delta(hit) || is_glossy(hit, wo);
+      const bool goes_on = is_glossy(hit, wo);
       if (!is_delta(hit)) on_surface(hit, wo, walk.beta, edges, !goes_on);
-      if (goes_on && !is_delta(hit)) emitted += walk.beta * direct(hit, wo, stream, rays);
+      if (goes_on) emitted += walk.beta * direct(hit, wo, stream, rays);
       const std::optional<ScatterSample<S>> sample = sample_scatter<Scene>(hit, wo, Walk::eye, stream);
-      // Behind a vertex that merges, Dirac lobes alone are left.
+      // Behind a vertex that merges with all photons, Dirac lobes alone are left.
       if (!sample || (!goes_on && !sample->is_delta)) return emitted;
       only_dirac_since = sample->is_delta && glossy.is_weighted;
       if (!sample->is_delta) glossy = {hit.point.position, sample->pdf, true};
