@@ -40,9 +40,9 @@ def settings(method, rung):
 
     The noise of eye paths and the bias of few virtual lights fall together: cuts make lights cheap, so that these grow
     as the square of the eye paths. Fewer of both than rung 0 has would cost nearly as much, since the cut sets the
-    cost: with an eighth of the eye paths it takes half the time or more and has up to six times the noise. All pairs
-    cost the product of both. Passes of pppm are alike but for their radius; the blur of photonmap falls with the photons
-    only.
+    cost: with an eighth of the eye paths it takes about half the time or more and has up to seven times the error.
+    All pairs cost the product of both. Passes of pppm are alike but for their radius; the blur of photonmap falls with
+    the photons only.
     """
     if method in ("path", "bdpt"):
         return {"spp": 4 * 4 ** rung}

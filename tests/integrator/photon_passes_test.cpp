@@ -57,6 +57,7 @@ void expect_path_tracing(const Traced& traced, std::uint32_t samples, const Scen
     photons.add(film.mean().x);
   }
   const double error = std::hypot(path.standard_error(), photons.standard_error());
+  // `blur`: the bias that the radius leaves after so few passes, stated by each test.
   EXPECT_NEAR(photons.mean(), path.mean(), student_limit(1e-3, runs - 1) * error + blur * path.mean());
   EXPECT_LT(error, largest_error * path.mean());
 }
